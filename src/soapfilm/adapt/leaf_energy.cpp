@@ -72,6 +72,7 @@ class LeafEvaluator {
     const Brick brick = brick_at(coord);
     const int32_t d = own_.data->grid.find(coord);
     const float* f = d >= 0 ? own_.data->f.brick(static_cast<size_t>(d)) : nullptr;
+    const bool parent_has_flux = level_ == regions_.coarsest() || coarser().grid.find(parent_of(coord)) >= 0;
     const bool at_border = brick.has_flux && touches_other_level(coord), steps = !is_constant(brick);
     for (int i = 0; i < brick_volume; ++i) {
       const Vec3i v = vertex_in_brick(i);
@@ -81,7 +82,7 @@ class LeafEvaluator {
       const double gap = steps ? add_groups(brick, v, p, t) : 0;
       t.data += source * u;
       if (!brick.has_flux) {
-        t.gain += std::max(0.0, source);
+        t.gain += parent_has_flux ? 0 : std::max(0.0, source);  // see left_out()
         continue;
       }
       t.max_norm_squared = std::max(t.max_norm_squared, norm_squared(p) / (p_scale_ * p_scale_));
@@ -95,16 +96,15 @@ class LeafEvaluator {
   /// D of the places that have flux from the next coarser level alone.
   double left_out(const Context& context) const {
     if (level_ == regions_.coarsest()) return own_.flux->outside.dual_of_scaled(p_scale_);
-    const Level& coarse = *levels_[static_cast<size_t>(level_) + 1].flux;
-    const SupportField none;
-    return p_scale_ * ordered_sum<double>(coarse.grid, context, [&](size_t b) {
-             double sum = 0;
-             const Vec3i parent = coarse.grid.coord(b);
-             for (int k = 0; k < 8 && regions_.is_finer(level_ + 1, parent); ++k)
-               if (has_free(box_, child_of(parent, k)) && own_.flux->grid.find(child_of(parent, k)) < 0)
-                 sum += outside_child(coarse, b, octant_of(k), none).dual;
-             return sum;
-           });
+    const Level& coarse = coarser();
+    return ordered_sum<double>(coarse.grid, context, [&](size_t b) {
+      double sum = 0;
+      const Vec3i parent = coarse.grid.coord(b);
+      for (int k = 0; k < 8 && regions_.is_finer(level_ + 1, parent); ++k)
+        if (has_free(box_, child_of(parent, k)) && own_.flux->grid.find(child_of(parent, k)) < 0)
+          sum += outside_child(coarse, b, octant_of(k), *own_.data).dual_of_scaled(p_scale_);
+      return sum;
+    });
   }
 
  private:
@@ -129,6 +129,8 @@ class LeafEvaluator {
     }
     return brick;
   }
+
+  const Level& coarser() const { return *levels_[static_cast<size_t>(level_) + 1].flux; }
 
   /// Whether a brick and the layers above it have one value.
   static bool is_constant(const Brick& brick) {
@@ -280,8 +282,6 @@ AllLeaves sum_leaves(const Regions& regions, std::span<const LeafLevel> levels, 
         [&](size_t b) { return evaluator.terms(bricks[b]); }));
     sum.left_out += evaluator.left_out(context);
   }
-  // What the coarsest level has outside of its bricks holds for its data there, too.
-  sum.levels.back().gain = 0;
   return sum;
 }
 

@@ -33,8 +33,9 @@ struct LeafEnergies {
   double at_borders = 0;  ///< part of the gap that lies in bricks where levels meet
 };
 
-/// Of levels, the finest first. `placed`: the level in whose faces the variation is counted. Bricks of data without
-/// flux count as in D(0). p is rescaled where rounding has left some of it outside of its ball.
+/// Of levels, the finest first. `placed`: the level in whose faces the variation is counted. In bricks without flux p
+/// is that of the next coarser level; where that has none their data count as in D(0). p is rescaled where rounding has
+/// left some of it outside of its ball.
 LeafEnergies evaluate_leaves(const Regions& regions, std::span<const LeafLevel> levels, int placed,
                              const Context& context);
 

@@ -55,8 +55,8 @@ std::vector<Labels> labels_of_leaves(const Regions& regions, std::span<const Lev
                                      const Context& context) {
   std::vector<Labels> labels;
   for (size_t l = 0; l < levels.size(); ++l)
-    labels.push_back(in_places(regions, static_cast<int>(l), levels[l], l > 0 ? &labels[l - 1] : nullptr, threshold,
-                               context));
+    labels.push_back(
+        in_places(regions, static_cast<int>(l), levels[l], l > 0 ? &labels[l - 1] : nullptr, threshold, context));
   return labels;
 }
 

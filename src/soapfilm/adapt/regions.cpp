@@ -28,6 +28,22 @@ double even_spacing(std::span<const Vec3f> places) {
   return std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x}) / n);
 }
 
+/// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the placed level,
+/// of which the level's are `voxel`. Where it is unknown, as in a tree or where samples are few, they are taken as
+/// even.
+bool are_within(const LevelSamples& level, size_t brick, double voxel, double most) {
+  constexpr double enough_area = 0.25;
+  const uint32_t begin = level.samples.begin[brick], end = level.samples.begin[brick + 1];
+  const double even = voxel * even_spacing(std::span(level.samples.local).subspan(begin, end - begin));
+  double all = 0, within = 0;
+  for (uint32_t s = begin; s < end; ++s) {
+    const double spacing = level.spacing[s] > 0 ? static_cast<double>(level.spacing[s]) : even;
+    all += spacing * spacing;
+    if (spacing <= most) within += spacing * spacing;
+  }
+  return within >= enough_area * all;
+}
+
 /// What bricks must have to get finer levels: samples at most so many of the finer voxels apart; whether neighbors
 /// without samples get them, too. (Below the placed level these have nothing to gain: their surface is the coarser
 /// one's.)
@@ -82,19 +98,6 @@ BrickMask children_of(const BrickMask& parents, Vec3i bricks) {
   return children;
 }
 
-bool are_within(const LevelSamples& level, size_t brick, double voxel, double most) {
-  constexpr double enough_area = 0.25;
-  const uint32_t begin = level.samples.begin[brick], end = level.samples.begin[brick + 1];
-  const double even = voxel * even_spacing(std::span(level.samples.local).subspan(begin, end - begin));
-  double all = 0, within = 0;
-  for (uint32_t s = begin; s < end; ++s) {
-    const double spacing = level.spacing[s] > 0 ? static_cast<double>(level.spacing[s]) : even;
-    all += spacing * spacing;
-    if (spacing <= most) within += spacing * spacing;
-  }
-  return within >= enough_area * all;
-}
-
 Regions::Regions(std::vector<BrickMask> finer, std::vector<BrickMask> wanted)
     : finer_(std::move(finer)), wanted_(std::move(wanted)), asked_(wanted_) {
   balance(asked_);
@@ -106,18 +109,6 @@ int Regions::level_at(Vec3d place) const {
   int level = 0;
   for (; level < coarsest() && !has(level, brick); ++level) brick = parent_of(brick);
   return level;
-}
-
-void Regions::refine(int level, const std::vector<Vec3i>& bricks) {
-  const auto l = static_cast<size_t>(level) - 1;
-  for (const Vec3i b : bricks) {
-    if (!has(level, b)) continue;
-    finer_[l].set(b);
-    wanted_[l].set(b);
-    asked_[l].set(b);
-  }
-  balance(finer_);
-  balance(asked_);
 }
 
 void Regions::give_back(int level, const std::vector<Vec3i>& bricks) {

@@ -56,8 +56,6 @@ class Regions {
   const BrickMask& finer(int level) const { return finer_[static_cast<size_t>(level) - 1]; }
   /// Those of them that must, by their samples or by the balance.
   const BrickMask& asked(int level) const { return asked_[static_cast<size_t>(level) - 1]; }
-  /// Asks for finer levels in those of the bricks of a level that have it, and for what the balance then needs.
-  void refine(int level, const std::vector<Vec3i>& bricks);
   /// Gives bricks of a level that are not asked for back to it, and what the balance then takes from finer levels.
   void give_back(int level, const std::vector<Vec3i>& bricks);
   /// Says that in these bricks of a level, which have finer ones, the next finer one has this level's surface.
@@ -77,11 +75,6 @@ class Regions {
 
 /// The eight children of each brick, in a box of so many bricks.
 BrickMask children_of(const BrickMask& parents, Vec3i bricks);
-
-/// Whether on a quarter of the area in a brick of a level the spacing is at most `most`, in voxels of the placed level,
-/// of which the level's are `voxel`. Where it is unknown, as in a tree or where samples are few, they are taken as
-/// even.
-bool are_within(const LevelSamples& level, size_t brick, double voxel, double most);
 
 /// By the samples' spacing: level l - 1 has the bricks of level l where on a quarter of the area the spacing is at most
 /// most_spacing (most_spacing_below) voxels of level l - 1; then of their neighbors those without samples (not below

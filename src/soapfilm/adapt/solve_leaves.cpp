@@ -97,8 +97,8 @@ class LevelLeaves {
     });
   }
 
-  /// u_bar of the next primal step at faces toward other levels. It is not in the sweeper's faces yet, and these levels'
-  /// dual steps follow at once.
+  /// u_bar of the next primal step at faces toward other levels. It is not in the sweeper's faces yet, and these
+  /// levels' dual steps follow at once.
   void look_ahead(double balance) {
     const float tau = steps(balance).tau;
     parallel_for(context_, level_.grid.size(), 256, [&](size_t b) {
@@ -148,8 +148,8 @@ class LevelLeaves {
       float in = 0;
       for (int k = 0; k < 3; ++k) {
         const float* p = level_.p.brick(b, k);
-        const float below = v[k] > 0 ? p[at - brick_stride[k]]
-                                     : low[static_cast<size_t>(k)].at(v[across(k)[0]], v[across(k)[1]]);
+        const float below =
+            v[k] > 0 ? p[at - brick_stride[k]] : low[static_cast<size_t>(k)].at(v[across(k)[0]], v[across(k)[1]]);
         in += below - p[at];
       }
       const float cap = free.contains(v.x, v.y, v.z) ? 1.0f : 0.0f;
@@ -207,9 +207,7 @@ class LevelLeaves {
     return rows_of_layer(axis, true, [&](int a, int b) {
       const Quarter q = quarter(f, axis, true, a, b);
       if (q.brick < 0) return false;
-      const auto at = [&](int i, int j) {
-        return finer_->flux(static_cast<size_t>(q.brick), axis, q.a + i, q.b + j);
-      };
+      const auto at = [&](int i, int j) { return finer_->flux(static_cast<size_t>(q.brick), axis, q.a + i, q.b + j); };
       return replace(flux(f.brick, axis, a, b), (at(0, 0) + at(1, 0)) + (at(0, 1) + at(1, 1)));
     });
   }

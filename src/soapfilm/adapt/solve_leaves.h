@@ -23,9 +23,9 @@ struct LeafIteration {
 };
 
 /// One primal-dual iteration (solve/sweep.h) on the leaves of all levels, the finest first, whose grids have their
-/// followers. A coarse leaf's flux to finer ones follows the difference to their mean, and what flows in from finer ones
-/// is the sum of theirs. Leaves that a level's grid lacks, and bricks that finer levels have, stay as they are. Ends
-/// early when ends(iterations) says so.
+/// followers. A coarse leaf's flux to finer ones follows the difference to their mean, and what flows in from finer
+/// ones is the sum of theirs. Leaves that a level's grid lacks, and bricks that finer levels have, stay as they are.
+/// Ends early when ends(iterations) says so.
 void solve_leaves(const Regions& regions, std::span<Level> levels, const LeafIteration& how, const Context& context,
                   const std::function<bool(int)>& ends);
 

@@ -27,8 +27,8 @@ struct NewData {
   const SupportField& now;
 };
 
-/// Gives a whole level other data. What it has outside of its bricks, which is counted for the data from before, then is
-/// for the new one.
+/// Gives a whole level other data. What it has outside of its bricks, which is counted for the data from before, then
+/// is for the new one.
 void change_data(Level& level, const NewData& data);
 
 /// A level in its places, `band` of them: where they end, and around the band, p is that of the coarse level; else what

@@ -331,7 +331,7 @@ bool MemoryBudget::plan_kept(uint64_t bytes, uint64_t beside) {
   if (solve_alone_ == 0) solve_alone_ = plan_.solve.bytes;
   MemoryPlan kept = plan_;
   kept.kept_bytes = bytes;
-  kept.certify_bytes = bytes + beside;
+  kept.joint_bytes = bytes + beside;
   const uint64_t other = plan_.fixed_bytes + plan_.gap.bytes;
   if (other + bytes + std::max(solve_alone_, beside) > room_.bytes && !scratch_.holds(kept, room_)) return false;
   plan_ = kept;

@@ -36,17 +36,17 @@ struct MemoryPlan {
   Planned refine;              ///< in addition to fixed_bytes
   Planned mesh;                ///< in addition to fixed_bytes; before the surface is known only if that needs much
   Planned gap;                 ///< of each vertex of the band, from the solve's end to the mesh
-  uint64_t kept_bytes = 0;     ///< of solved levels, from the solve's end until they are certified
-  uint64_t certify_bytes = 0;  ///< what that needs, with them
+  uint64_t kept_bytes = 0;     ///< of solved levels, from the solve's end until they are solved as one
+  uint64_t joint_bytes = 0;    ///< what that needs, with them
   uint64_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
                                ///< surface found around them
   uint64_t grid_bytes() const {
-    return std::max({solve.bytes, refine.bytes + kept_bytes, certify_bytes, mesh.bytes}) + gap.bytes;
+    return std::max({solve.bytes, refine.bytes, joint_bytes, mesh.bytes}) + gap.bytes;
   }
   uint64_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
   /// The part of it that is certain.
   uint64_t least() const {
-    const uint64_t grid = std::max({solve.least(), refine.least() + kept_bytes, certify_bytes, mesh.least()});
+    const uint64_t grid = std::max({solve.least(), refine.least(), joint_bytes, mesh.least()});
     return std::max(placing_bytes, fixed_bytes + grid + gap.least());
   }
 };
@@ -119,8 +119,8 @@ class MemoryBudget {
   /// Plans so much in addition to the solve and to what is kept, while its finest level is there; the largest of
   /// several calls counts. Returns false, and plans nothing, where it does not fit.
   bool plan_beside(uint64_t bytes);
-  /// Plans that so much of the solved levels is kept until there is a mesh, and then certified with so much in
-  /// addition. Returns false, and plans nothing, where it does not fit.
+  /// Plans that so much of the solved levels is kept until they are solved as one, with so much in addition. Returns
+  /// false, and plans nothing, where it does not fit.
   bool plan_kept(uint64_t bytes, uint64_t beside = 0);
   /// What limits the memory, for messages.
   const char* room() const { return room_.what; }

@@ -101,13 +101,13 @@ void OtherLevels::find_finer(MemoryBudget& memory, Trace& trace) {
 
 /// The next one; `found`: its samples, before those of the level above it. Returns false where there is none.
 bool OtherLevels::add_finer(LevelSamples& found, MemoryBudget& memory, Trace& trace) {
-  constexpr double bricks_of_data = 1.5;  // of the band over those of its data, measured: .8 to 1.9
+  constexpr double bricks_of_data = 1.5;    // of the band over those of its data, measured: .8 to 1.9
   constexpr uint64_t refined_brick = 7000;  // bytes, measured
   const bool first = found_.levels.empty();
   const int l = found_.lattice.added - 1 - static_cast<int>(found_.levels.size());
   const LevelBox box = found_.lattice.box(l);
   const auto places = std::make_shared<const BrickMask>(children_of(parents_of_places(found_.regions, l), box.bricks));
-  LevelSamples samples = samples_of_places(!first       ? found
+  LevelSamples samples = samples_of_places(!first        ? found
                                            : found_.kept ? *found_.kept
                                                          : samples_,
                                            found_.regions, found_.lattice, l, context_);

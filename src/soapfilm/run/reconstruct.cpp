@@ -141,14 +141,14 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     if (solved.regions.coarsest() > 0 && plan_joint_solve(solved, coarse, memory, trace))
       adapted = trace.stage("join levels", [&] {
         const LevelSamples& kept = solved.kept ? *solved.kept : own;
-        std::vector<Labels> sides = solve_jointly(solved, std::move(coarse), kept.samples, params, report.certificate,
-                                                  *details, context);
+        std::vector<Labels> sides =
+            solve_jointly(solved, std::move(coarse), kept.samples, params, report.certificate, *details, context);
         AdaptedSurface others = find_other_surfaces(own, solved, sides, task, context);
         labels = std::move(sides[static_cast<size_t>(solved.lattice.added)]);
         if (labels.box.open) labels = closed_at_border(labels, context);
         return others;
       });
-    memory.plan_kept(0);
+    if (!adapted) memory.plan_kept(0);
     samples = std::move(own.samples);
     views = std::move(own.views);
     announce_leaves(report.certificate, *details, trace);

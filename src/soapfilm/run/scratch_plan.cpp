@@ -107,7 +107,7 @@ MemoryPlan ScratchBudget::resident_part(const MemoryPlan& plan) const {
   part.tables_bytes = share_of(plan.tables_bytes, share.solve);
   part.refine.bytes = share_and_small(plan.refine.bytes, share.refine);
   part.kept_bytes = share_of(plan.kept_bytes, share.solve);
-  part.certify_bytes = share_of(plan.certify_bytes, share.solve);
+  part.joint_bytes = share_of(plan.joint_bytes, share.solve);
   part.mesh.bytes =
       moves_vectors_ ? share_and_small(plan.mesh.bytes, share.mesh) : share_of(plan.mesh.bytes, share.mesh);
   part.gap.bytes = share_of(plan.gap.bytes, share.gap);
@@ -123,7 +123,7 @@ MemoryPlan ScratchBudget::disk_part(const MemoryPlan& plan) const {
   part.tables_bytes -= in_memory.tables_bytes;
   part.refine.bytes -= in_memory.refine.bytes;
   part.kept_bytes -= in_memory.kept_bytes;
-  part.certify_bytes -= in_memory.certify_bytes;
+  part.joint_bytes -= in_memory.joint_bytes;
   part.mesh.bytes -= in_memory.mesh.bytes;
   part.gap.bytes -= in_memory.gap.bytes;
   return part;
@@ -140,7 +140,7 @@ ScratchTraffic ScratchBudget::traffic(const MemoryPlan& plan, const Room& room) 
   if (from_start_) add(passes_of_placing, on_disk.placing_bytes, in_memory.placing_bytes);
   const uint64_t fixed = in_memory.fixed_bytes + in_memory.gap.bytes;
   add(passes_of_solve, on_disk.solve.bytes, fixed + in_memory.solve.bytes);
-  add(passes_of_refine, on_disk.refine.bytes + on_disk.kept_bytes, fixed + in_memory.refine.bytes);
+  add(passes_of_refine, on_disk.refine.bytes, fixed + in_memory.refine.bytes);
   add(passes_of_mesh, on_disk.mesh.bytes, fixed + in_memory.mesh.bytes);
   return sum;
 }

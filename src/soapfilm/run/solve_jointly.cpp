@@ -45,7 +45,7 @@ class JointStart {
       });
       band = with_followers(solved_.regions, l, std::move(band), above.grid);
       levels[static_cast<size_t>(l)] = continue_in_places(above, box, band, places, known_of(l), data(l), context_);
-      if (l <= placed_) own(l) = {};
+      release(l);
     }
     return levels;
   }
@@ -53,6 +53,14 @@ class JointStart {
  private:
   Level& own(int level) { return solved_.levels[static_cast<size_t>(level)].level; }
   const SupportField& data(int level) const { return data_[static_cast<size_t>(level)]; }
+
+  /// What the level came from.
+  void release(int level) {
+    if (level <= placed_)
+      own(level) = {};
+    else if (Level* of_pyramid = coarse_.find(level - placed_))
+      *of_pyramid = {};
+  }
 
   /// Those of each level's solution and data, and the parents of what finer levels want.
   std::vector<BrickMask> wanted_bricks() {
@@ -64,8 +72,10 @@ class JointStart {
         for (size_t b = 0; b < grid.size(); ++b)
           if (l <= placed_ || solved_.regions.has(l, grid.coord(b))) bricks.set(grid.coord(b));
       };
-      if (l <= placed_) add(own(l).grid);
-      add(data(l).grid);
+      if (l <= placed_)
+        add(own(l).grid);
+      else
+        add(data(l).grid);
       if (const Level* of_pyramid = l > placed_ ? coarse_.find(l - placed_) : nullptr)
         add_bricks(of_pyramid->grid, bricks);
     }
@@ -128,10 +138,10 @@ LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& l
 
 bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory, Trace& trace) {
   uint64_t bytes = coarse.bytes();
-  uint64_t most = 0;  // one level is there twice
+  uint64_t most = 0;  // one level is there twice, once with its followers: with twice as many bricks, measured
   for (const SolvedLevel& level : solved.levels) {
     bytes += level.bytes();
-    most = std::max(most, level_bytes(level.level.grid.size()));
+    most = std::max(most, level_bytes(2 * level.level.grid.size()));
   }
   if (memory.plan_kept(bytes, most)) return true;
   trace.warn(fmt::format("levels do not adapt: solving them jointly does not fit into {}", memory.room()));
