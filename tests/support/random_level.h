@@ -65,7 +65,8 @@ struct RandomLevel {
     level = make_level(box, static_cast<float>(params.lambda), band, support, f, context, params.norm);
     for (size_t b = 0; b < level.grid.size(); ++b) fill_brick(random, b, params);
     if (params.held > 0)
-      for (size_t b = 0; b < level.grid.size(); ++b) level.held.push_back(random.uniform() < params.held ? Held::rests : Held::no);
+      for (size_t b = 0; b < level.grid.size(); ++b)
+        level.held.push_back(random.uniform() < params.held ? Held::rests : Held::no);
   }
 
  private:
