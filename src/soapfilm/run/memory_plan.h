@@ -40,9 +40,7 @@ struct MemoryPlan {
   uint64_t joint_bytes = 0;    ///< what that needs, with them
   uint64_t placing_bytes = 0;  ///< the peak before: the cloud, its directions, the samples sorted by brick; and the
                                ///< surface found around them
-  uint64_t grid_bytes() const {
-    return std::max({solve.bytes, refine.bytes, joint_bytes, mesh.bytes}) + gap.bytes;
-  }
+  uint64_t grid_bytes() const { return std::max({solve.bytes, refine.bytes, joint_bytes, mesh.bytes}) + gap.bytes; }
   uint64_t total() const { return std::max(placing_bytes, fixed_bytes + grid_bytes()); }
   /// The part of it that is certain.
   uint64_t least() const {
