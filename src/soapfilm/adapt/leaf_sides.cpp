@@ -1,19 +1,10 @@
 #include "soapfilm/adapt/leaf_sides.h"
 
-#include "soapfilm/adapt/surroundings.h"
-
 namespace soapfilm {
-
-BrickBits LeafSides::of(int level, Vec3i brick) const {
-  if (!follows(level, brick)) return levels_[static_cast<size_t>(level)].sides->of(brick);
-  return bits_of_child(of(level + 1, parent_of(brick)), brick);
-}
 
 bool LeafSides::are_alike(int level, Vec3i brick) const {
   const Labels& labels = *levels_[static_cast<size_t>(level)].sides;
-  const auto missing = [&](Vec3i b) {
-    return regions_.has(level, b) && !follows(level, b) && labels.grid.find(b) == outside_band;
-  };
+  const auto missing = [&](Vec3i b) { return regions_.has(level, b) && labels.grid.find(b) == outside_band; };
   if (!missing(brick)) return false;
   const bool inside = labels.is_inside(outside_band, brick);
   for (int axis = 0; axis < 3; ++axis) {

@@ -44,16 +44,13 @@ class LeafSides {
  public:
   LeafSides(const Regions& regions, std::span<const LeafLevel> levels) : regions_(regions), levels_(levels) {}
 
-  BrickBits of(int level, Vec3i brick) const;
+  BrickBits of(int level, Vec3i brick) const { return levels_[static_cast<size_t>(level)].sides->of(brick); }
   LayerAbove above(int level, Vec3i brick, int axis) const;
   /// Whether a leaf brick and those above it have one value without having labels.
   bool are_alike(int level, Vec3i brick) const;
 
  private:
   const LevelBox& box(int level) const { return levels_[static_cast<size_t>(level)].flux->box; }
-  bool follows(int level, Vec3i brick) const {
-    return level < regions_.coarsest() && regions_.follows(level + 1, parent_of(brick));
-  }
   bool face_exists(int level, Vec3i brick, int axis, std::array<int, 2> sub_face, bool finer) const;
 
   const Regions& regions_;

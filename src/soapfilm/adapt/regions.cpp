@@ -98,8 +98,8 @@ BrickMask children_of(const BrickMask& parents, Vec3i bricks) {
   return children;
 }
 
-Regions::Regions(std::vector<BrickMask> finer, std::vector<BrickMask> wanted)
-    : finer_(std::move(finer)), wanted_(std::move(wanted)), asked_(wanted_) {
+Regions::Regions(std::vector<BrickMask> finer, std::vector<BrickMask> asked)
+    : finer_(std::move(finer)), asked_(std::move(asked)) {
   balance(asked_);
 }
 
@@ -109,28 +109,6 @@ int Regions::level_at(Vec3d place) const {
   int level = 0;
   for (; level < coarsest() && !has(level, brick); ++level) brick = parent_of(brick);
   return level;
-}
-
-void Regions::give_back(int level, const std::vector<Vec3i>& bricks) {
-  const auto l = static_cast<size_t>(level) - 1;
-  for (const Vec3i b : bricks) finer_[l].set(b, false);
-  for (size_t k = l; k > 0; --k) {
-    std::vector<Vec3i> gone;
-    finer_[k - 1].for_each([&](Vec3i b) {
-      for (int slot = 0; slot < 27; ++slot) {
-        const Vec3i n = b + slot_offset(slot);
-        if (!finer_[k - 1].contains(n) || finer_[k].test(parent_of(n))) continue;
-        gone.push_back(b);
-        return;
-      }
-    });
-    for (const Vec3i b : gone) finer_[k - 1].set(b, false);
-  }
-}
-
-void Regions::follow(int level, const std::vector<Vec3i>& bricks) {
-  for (size_t l = following_.size(); l < finer_.size(); ++l) following_.emplace_back(finer_[l].bricks());
-  for (const Vec3i b : bricks) following_[static_cast<size_t>(level) - 1].set(b);
 }
 
 Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context) {

@@ -20,9 +20,9 @@ class Regions {
  public:
   /// All places have level 0.
   Regions() = default;
-  /// `finer[k]`: the bricks of level k + 1 whose places have level k or a finer one, balanced; of these, `wanted[k]`:
+  /// `finer[k]`: the bricks of level k + 1 whose places have level k or a finer one, balanced; of these, `asked[k]`:
   /// those whose samples ask for it.
-  Regions(std::vector<BrickMask> finer, std::vector<BrickMask> wanted);
+  Regions(std::vector<BrickMask> finer, std::vector<BrickMask> asked);
 
   int coarsest() const { return static_cast<int>(finer_.size()); }
   /// Whether level - 1 or finer levels have the places of a brick of this level.
@@ -43,34 +43,22 @@ class Regions {
     const auto rest = [level](const std::vector<BrickMask>& masks) {
       return std::vector<BrickMask>(masks.begin() + level, masks.end());
     };
-    return {rest(finer_), rest(wanted_)};
+    return {rest(finer_), rest(asked_)};
   }
   /// The same places, those of coarser levels with this one.
   Regions up_to(int level) const {
     const auto first = [level](const std::vector<BrickMask>& masks) {
       return std::vector<BrickMask>(masks.begin(), masks.begin() + static_cast<std::ptrdiff_t>(level));
     };
-    return {first(finer_), first(wanted_)};
+    return {first(finer_), first(asked_)};
   }
   /// The bricks of this level whose places have finer ones, level >= 1.
   const BrickMask& finer(int level) const { return finer_[static_cast<size_t>(level) - 1]; }
   /// Those of them that must, by their samples or by the balance.
   const BrickMask& asked(int level) const { return asked_[static_cast<size_t>(level) - 1]; }
-  /// Gives bricks of a level that are not asked for back to it, and what the balance then takes from finer levels.
-  void give_back(int level, const std::vector<Vec3i>& bricks);
-  /// Says that in these bricks of a level, which have finer ones, the next finer one has this level's surface.
-  void follow(int level, const std::vector<Vec3i>& bricks);
-  bool follows(int level, Vec3i brick) const {
-    const auto l = static_cast<size_t>(level) - 1;
-    return l < following_.size() && following_[l].contains(brick) && following_[l].test(brick);
-  }
-  /// Whether a brick must have finer levels, by its samples or by the balance.
-  bool is_asked(int level, Vec3i brick) const { return asked_[static_cast<size_t>(level) - 1].test(brick); }
-  /// By its samples alone.
-  bool is_wanted(int level, Vec3i brick) const { return wanted_[static_cast<size_t>(level) - 1].test(brick); }
 
  private:
-  std::vector<BrickMask> finer_, wanted_, asked_, following_;
+  std::vector<BrickMask> finer_, asked_;
 };
 
 /// The eight children of each brick, in a box of so many bricks.

@@ -9,7 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include "soapfilm/adapt/agreement.h"
 #include "soapfilm/adapt/leaf_field.h"
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/memory.h"
@@ -43,7 +42,6 @@ Mesh triangles_of(AdaptedSurface& surface, Surface& placed, double lambda, Repor
                   const Context& context) {
   const auto own = static_cast<size_t>(surface.lattice.added);
   surface.levels[own] = std::move(std::get<DistanceField>(placed.field));
-  give_back_disagreement(surface.regions, surface.levels, context);
   details.leaf_voxel = surface.lattice.voxel;
   LeafField leaves = join_levels(surface.regions, surface.levels, surface.lattice, context);
   std::vector<const BrickGrid*> grids;

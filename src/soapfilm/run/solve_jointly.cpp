@@ -151,7 +151,7 @@ bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, Me
 std::vector<Labels> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, const GridSamples& samples,
                                   const ReconstructParams& params, Certificate& certificate, ReportDetails& details,
                                   const Context& context) {
-  constexpr int least = 128, most = 384, check_every = 32;
+  constexpr int least = 64, most = 384, check_every = 32;
   constexpr double least_gain = 0.95, enough = 2;  // times the gap of the grid alone
   const Context quiet = silenced(context);
   const auto threshold = static_cast<float>(params.surface.threshold);
