@@ -5,6 +5,7 @@
 
 #include "soapfilm/pyramid/prolong.h"
 #include "soapfilm/pyramid/restrict.h"
+#include "soapfilm/pyramid/restrict_level.h"
 #include "soapfilm/pyramid/solve_in_places.h"
 #include "soapfilm/solve/energy.h"
 #include "soapfilm/solve/labels.h"
@@ -96,6 +97,73 @@ TEST(Places, AHalfHasTheSolutionOfTheWhole) {
   ASSERT_EQ(two.grid.size(), level.grid.size());
   for (size_t b = 0; b < level.grid.size(); ++b)
     ASSERT_TRUE(std::equal(level.u.brick(b), level.u.brick(b) + brick_volume, two.u.brick(b)));
+}
+
+/// A level restricted has the means of u, and the divergence of its children.
+TEST(Places, RestrictionKeepsMeansAndFluxes) {
+  const Knot knot;
+  const Level& fine = knot.placed.finest;
+  const LevelBox box = knot.coarse.lattice.box(1);
+  const SupportField data = restrict_field(knot.coarse.support, box, one_thread);
+  const Level coarse = restrict_level(fine, box, parents_of(fine.grid, box.bricks, one_thread), data, one_thread);
+  EXPECT_EQ(coarse.lambda, 4 * fine.lambda);
+  const auto inflow = [](const Level& level, size_t b, Vec3i v) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float* p = level.p.brick(b, axis);
+      Vec3i below = v;
+      --below[axis];
+      const LowFace low = low_face(level, b, axis);
+      sum += (v[axis] > 0 ? p[brick_offset(below.x, below.y, below.z)]
+                          : low.at(v[axis == 0 ? 1 : 0], v[axis == 2 ? 1 : 2])) -
+             p[brick_offset(v.x, v.y, v.z)];
+    }
+    return sum;
+  };
+  size_t compared = 0;
+  for (size_t b = 0; b < coarse.grid.size(); ++b)
+    for (int k = 0; k < 8; ++k) {
+      const int32_t child = fine.grid.find(child_of(coarse.grid.coord(b), k));
+      if (child < 0) continue;
+      for (int i = 0; i < octant_volume; ++i) {
+        const Vec3i at{i % half_brick, i / half_brick % half_brick, i / (half_brick * half_brick)};
+        double u = 0, in = 0;
+        for (int c = 0; c < 8; ++c) {
+          const Vec3i v = at * 2 + octant_of(c);
+          u += fine.u.brick(static_cast<size_t>(child))[brick_offset(v.x, v.y, v.z)] / 8.0;
+          in += inflow(fine, static_cast<size_t>(child), v);
+        }
+        const Vec3i own = octant_base(octant_of(k)) + at;
+        if (!box.is_free(coarse.grid.first_vertex(b) + own)) continue;
+        ASSERT_NEAR(coarse.u.brick(b)[brick_offset(own.x, own.y, own.z)], u, 1e-6);
+        ASSERT_NEAR(inflow(coarse, b, own), in, 1e-4 * coarse.lambda);
+        ++compared;
+      }
+    }
+  EXPECT_GT(compared, 10000u);
+}
+
+/// Upwards: where the coarser level has no places it is the finer one's, elsewhere its own solution.
+TEST(Places, ACoarserLevelGoesOnInTheFinerOne) {
+  const Knot knot;
+  const Level& fine = knot.placed.finest;
+  const Lattice above = knot.coarse.lattice.of_level(1);
+  const LevelBox box = knot.coarse.lattice.box(1);
+  const Problem own = make_problem(knot.cloud, above);
+  const PyramidSolution alone = solve(own, 16 * lambda, 1e-4);
+  BrickMask places(box.bricks), far(box.bricks);
+  BrickRange::whole(box.bricks).for_each([&](Vec3i b) {
+    if (2 * b.x < box.bricks.x) places.set(b);
+    if (2 * b.x > box.bricks.x + 2) far.set(b);
+  });
+  LevelReport report;
+  const Level level =
+      solve_coarser_in_places(fine, alone.finest, box, places, own.support, precisely(), one_thread, report);
+  const Labels labels = labels_of(alone.finest, 0.5f, one_thread);
+  EXPECT_LT(differing(level, labels, places), count_faces(labels, one_thread) / 20);
+  const Level restricted =
+      restrict_level(fine, box, parents_of(fine.grid, box.bricks, one_thread), own.support, one_thread);
+  EXPECT_EQ(differing(level, labels_of(restricted, 0.5f, one_thread), far), 0u);
 }
 
 }  // namespace TEST_FILE

@@ -111,6 +111,23 @@ int Regions::level_at(Vec3d place) const {
   return level;
 }
 
+void Regions::give_back(int level, const std::vector<Vec3i>& bricks) {
+  const auto l = static_cast<size_t>(level) - 1;
+  for (const Vec3i b : bricks) finer_[l].set(b, false);
+  for (size_t k = l; k > 0; --k) {
+    std::vector<Vec3i> gone;
+    finer_[k - 1].for_each([&](Vec3i b) {
+      for (int slot = 0; slot < 27; ++slot) {
+        const Vec3i n = b + slot_offset(slot);
+        if (!finer_[k - 1].contains(n) || finer_[k].test(parent_of(n))) continue;
+        gone.push_back(b);
+        return;
+      }
+    });
+    for (const Vec3i b : gone) finer_[k - 1].set(b, false);
+  }
+}
+
 Regions find_regions(const LevelSamples& samples, const Lattice& lattice, int levels, const Context& context) {
   const auto placed = static_cast<size_t>(lattice.added);
   std::vector<BrickMask> finer(placed), asked(placed);

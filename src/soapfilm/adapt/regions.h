@@ -57,6 +57,9 @@ class Regions {
   /// Those of them that must, by their samples or by the balance.
   const BrickMask& asked(int level) const { return asked_[static_cast<size_t>(level) - 1]; }
 
+  /// Gives bricks of a level that are not asked for back to it, and what the balance then takes from finer levels.
+  void give_back(int level, const std::vector<Vec3i>& bricks);
+
  private:
   std::vector<BrickMask> finer_, asked_;
 };

@@ -197,7 +197,7 @@ class LevelLeaves {
   }
   RowMask repeated_faces(const Follower& f, int axis) {
     const Vec3i base = octant_base(f.octant);
-    const auto [first, second] = across(axis);
+    const int first = across(axis)[0], second = across(axis)[1];
     return rows_of_layer(axis, false, [&](int a, int b) {
       const auto from = static_cast<size_t>(f.leaves[0]);
       return replace(face(f.brick, axis, a, b), coarser_->face(from, axis, base[first] + a / 2, base[second] + b / 2));
@@ -213,7 +213,7 @@ class LevelLeaves {
   }
   RowMask shared_flux(const Follower& f, int axis) {
     const Vec3i base = octant_base(f.octant);
-    const auto [first, second] = across(axis);
+    const int first = across(axis)[0], second = across(axis)[1];
     return rows_of_layer(axis, true, [&](int a, int b) {
       const auto from = static_cast<size_t>(f.leaves[0]);
       return replace(flux(f.brick, axis, a, b),

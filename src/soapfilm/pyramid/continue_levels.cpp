@@ -51,18 +51,6 @@ void take(const Level& from, size_t source, Level& level, size_t b) {
   }
 }
 
-void take_known(std::span<const KnownState> known, Level& level, const Context& context) {
-  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
-    const Vec3i at = level.grid.coord(b);
-    for (const KnownState& state : known) {
-      const int32_t n = state.level.grid.find(at);
-      if (n < 0 || !state.in(at)) continue;
-      take(state.level, static_cast<size_t>(n), level, b);
-      return;
-    }
-  });
-}
-
 const float* values_at(const SupportField& field, Vec3i brick) {
   const int32_t n = field.grid.find(brick);
   return n < 0 ? nullptr : field.f.brick(static_cast<size_t>(n));
@@ -103,6 +91,18 @@ Level copy_of(const Level& level, const Context& context) {
       if (const float* plane = level.rim.plane(b, axis)) std::copy_n(plane, brick_area, copy.rim.plane(b, axis));
   });
   return copy;
+}
+
+void take_known(std::span<const KnownState> known, Level& level, const Context& context) {
+  parallel_for(context, level.grid.size(), 64, [&](size_t b) {
+    const Vec3i at = level.grid.coord(b);
+    for (const KnownState& state : known) {
+      const int32_t n = state.level.grid.find(at);
+      if (n < 0 || !state.in(at)) continue;
+      take(state.level, static_cast<size_t>(n), level, b);
+      return;
+    }
+  });
 }
 
 void change_data(Level& level, const NewData& data) {

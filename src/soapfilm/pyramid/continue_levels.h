@@ -31,6 +31,9 @@ struct NewData {
 /// is for the new one.
 void change_data(Level& level, const NewData& data);
 
+/// Takes u and p of bricks from the first state that knows them, but not the fluxes through faces at the band's end.
+void take_known(std::span<const KnownState> known, Level& level, const Context& context);
+
 /// A level in its places, `band` of them: where they end, and around the band, p is that of the coarse level; else what
 /// is known first, and the coarse level's state.
 Level continue_in_places(const Level& coarse, const LevelBox& box, const BrickMask& band,

@@ -9,6 +9,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/pyramid/band.h"
 #include "soapfilm/pyramid/prolong.h"
+#include "soapfilm/pyramid/restrict_level.h"
 
 namespace soapfilm {
 
@@ -100,6 +101,18 @@ class Pull {
   SupportField field_;
 };
 
+/// Takes u and p of these bricks from another state of the level, but not at the border of its box: that of a lattice
+/// that begins with this level may be another one.
+void take(const Level& from, const BrickMask& bricks, Level& level, const Context& context) {
+  parallel_for(context, from.grid.size(), 64, [&](size_t b) {
+    const Vec3i at = from.grid.coord(b);
+    if (!bricks.contains(at) || !bricks.test(at) || at_border(level.box, at)) return;
+    const auto n = static_cast<size_t>(level.grid.find(at));
+    std::copy_n(from.u.brick(b), brick_volume, level.u.brick(n));
+    std::copy_n(from.p.brick(b), 3 * brick_volume, level.p.brick(n));
+  });
+}
+
 }  // namespace
 
 Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<const BrickMask> places,
@@ -122,6 +135,46 @@ Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<
         band |= grown;
         Level previous = std::move(level);
         level = prolonged(&previous);
+      });
+  pull.off(level);
+  return level;
+}
+
+Level solve_coarser_in_places(const Level& fine, const Level& alone, const LevelBox& box, const BrickMask& places,
+                              const SupportField& support, const PrimalDualParams& params, const Context& context,
+                              LevelReport& report) {
+  constexpr Patience patience{128, 32, 2};
+  BrickMask band = parents_of(fine.grid, box.bricks, context);
+  const auto add = [&](const BrickGrid& grid) {
+    for (size_t b = 0; b < grid.size(); ++b)
+      if (const Vec3i at = grid.coord(b); places.contains(at) && places.test(at)) band.set(at);
+  };
+  add(support.grid);
+  add(alone.grid);
+  const BrickMask around = with_neighbors(places);
+  Pull pull(support, places);
+  const auto joined = [&](const Level& state) {
+    Level level = restrict_level(fine, box, band, support, context);
+    take(state, places, level, context);
+    level.held.resize(level.grid.size());
+    for (size_t b = 0; b < level.grid.size(); ++b)
+      level.held[b] = around.test(level.grid.coord(b)) ? Held::no : Held::rests;
+    pull.on(level, context);
+    return level;
+  };
+  Level level = joined(alone);
+  solve(
+      level, params, patience, context, report,
+      [&] {
+        BrickMask grown(box.bricks);
+        growth(level, nullptr, context).for_each([&](Vec3i b) {
+          if (places.test(b)) grown.set(b);
+        });
+        return grown;
+      },
+      [&](const BrickMask& grown) {
+        band |= grown;
+        level = joined(level);
       });
   pull.off(level);
   return level;

@@ -1,4 +1,4 @@
-// Levels finer than one of the whole box, each in some places of it.
+// Levels finer and coarser than one of the whole box, each in some places of it.
 #pragma once
 
 #include <memory>
@@ -19,5 +19,12 @@ namespace soapfilm {
 Level solve_in_places(const Level& coarse, const LevelBox& box, std::shared_ptr<const BrickMask> places,
                       const SupportField& support, const PrimalDualParams& params, const Context& context,
                       LevelReport& report);
+
+/// `alone`, a solution of the level above `fine` by itself, so that in other than these places, bricks of `box`, it is
+/// what the fine level says (restrict_level()): the surface of the places then goes on in that of the fine level where
+/// they end. The band grows in the places until the interface stays inside.
+Level solve_coarser_in_places(const Level& fine, const Level& alone, const LevelBox& box, const BrickMask& places,
+                              const SupportField& support, const PrimalDualParams& params, const Context& context,
+                              LevelReport& report);
 
 }  // namespace soapfilm

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "soapfilm/adapt/agreement.h"
 #include "soapfilm/adapt/leaf_labels.h"
 #include "soapfilm/adapt/surroundings.h"
 #include "soapfilm/core/context_state.h"
@@ -14,6 +15,7 @@
 #include "soapfilm/field/terms.h"
 #include "soapfilm/pyramid/continue_levels.h"
 #include "soapfilm/pyramid/solve_in_places.h"
+#include "soapfilm/run/segment.h"
 #include "soapfilm/run/surface.h"
 #include "soapfilm/solve/closed_border.h"
 
@@ -67,6 +69,7 @@ class OtherLevels {
       : samples_(samples), placed_(placed.level), task_(task), context_(context), found_(found) {}
 
   void find_finer(MemoryBudget& memory, Trace& trace);
+  void find_coarser(MemoryBudget& memory, Trace& trace);
 
  private:
   bool add_finer(LevelSamples& found, MemoryBudget& memory, Trace& trace);
@@ -140,12 +143,67 @@ bool OtherLevels::add_finer(LevelSamples& found, MemoryBudget& memory, Trace& tr
   return true;
 }
 
+/// The places of a level and of coarser ones, and a brick around them, as far as a surface may be there: around the
+/// bricks of the finer level, and those of the level alone.
+BrickMask coarser_places_of(const Regions& regions, int level, const BrickGrid& fine, const BrickGrid& alone) {
+  BrickMask places(regions.finer(level).bricks());
+  const auto add = [&](Vec3i brick) {
+    if (!places.contains(brick)) return;
+    bool near = false;
+    for (int slot = 0; slot < 27; ++slot) near = near || !regions.is_finer(level, brick + slot_offset(slot));
+    if (near) places.set(brick);
+  };
+  const auto add_around = [&](Vec3i brick) {
+    for (int slot = 0; slot < 27; ++slot) add(brick + slot_offset(slot));
+  };
+  for (size_t b = 0; b < fine.size(); ++b) add_around(parent_of(fine.coord(b)));
+  for (size_t b = 0; b < alone.size(); ++b) add_around(alone.coord(b));
+  return places;
+}
+
 /// The grid of a coarser level than the placed one.
 Grid coarser_grid(const Grid& placed, int above) {
   Grid grid = placed;
   grid.lattice = placed.lattice.of_level(above);
   grid.density *= face_area(above);
   return grid;
+}
+
+/// The levels above the placed one, the next coarser one from each level; those that still have a surface.
+void OtherLevels::find_coarser(MemoryBudget& memory, Trace& trace) {
+  const int base = found_.lattice.added;
+  found_.levels.emplace_back();  // the placed one comes later
+  const uint64_t bricks = placed_.grid.size() / 4;
+  if (found_.regions.coarsest() > base && !memory.plan_beside(2 * level_bytes(bricks))) {
+    trace.warn(fmt::format("no larger voxels where samples are sparse: they do not fit into {}", memory.room()));
+    found_.regions = found_.regions.up_to(base);
+  }
+  const LevelSamples& all = found_.kept ? *found_.kept : samples_;
+  const auto threshold = static_cast<float>(task_.params.surface.threshold);
+  std::vector<Labels> sides = {labels_of(placed_, threshold, context_)};  // from the placed level up
+  LevelSamples samples;
+  for (int l = base + 1; l <= found_.regions.coarsest(); ++l) {
+    const Lattice lattice = task_.grid.lattice.of_level(l - base);
+    samples = on_next_level(l == base + 1 ? all : samples, found_.lattice.box(l).bricks, context_);
+    auto field = std::make_unique<SupportField>(data_field(samples.samples, lattice.box(0), context_));
+    const Level& fine = l == base + 1 ? placed_ : found_.levels.back().level;
+    const Segmentation alone =
+        segment(lattice, *field, samples.samples, task_.lambda * face_area(l - base), task_.params, {}, context_);
+    const BrickMask places = coarser_places_of(found_.regions, l, fine.grid, alone.level.grid);
+    LevelReport report;
+    Level level = solve_coarser_in_places(fine, alone.level, found_.lattice.box(l), places, *field, task_.params.solve,
+                                          context_, report);
+    sides.push_back(labels_of(level, threshold, context_));
+    if (count_faces(sides.back(), context_) == 0) {  // too coarse to have a surface
+      found_.regions = found_.regions.up_to(l - 1);
+      break;
+    }
+    found_.levels.push_back({std::move(level), std::move(field)});
+  }
+  for (int l = found_.regions.coarsest(); l > base; --l) {
+    const auto n = static_cast<size_t>(l - base);
+    give_back_disagreement(found_.regions, l, sides[n], sides[n - 1], context_);
+  }
 }
 
 }  // namespace
@@ -194,24 +252,22 @@ PlacedLevel with_sides(Level level, SupportField data, float threshold, const La
   return placed;
 }
 
-SolvedLevels solve_other_levels(const LevelSamples& samples, PlacedLevel placed, CoarseLevels& coarse,
-                                const LevelTask& task, MemoryBudget& memory, Trace& trace, const Context& context) {
+SolvedLevels solve_other_levels(const LevelSamples& samples, PlacedLevel placed, const LevelTask& task,
+                                MemoryBudget& memory, Trace& trace, const Context& context) {
   // Farther apart than two voxels of the coarsest of these, samples say too little about what lies between them.
   constexpr int most_coarser = 3;
   SolvedLevels solved;
   solved.lattice = task.grid.lattice.refined(task.grid.finer);
   solved.regions = find_regions(samples, solved.lattice, std::min(task.grid.lattice.levels - 1, most_coarser), context);
   solved.kept = without_dropped(samples, placed, context);
-  const auto threshold = static_cast<float>(task.params.surface.threshold);
   const Context quiet = silenced(context);
   OtherLevels levels(samples, placed, task, quiet, solved);
   levels.find_finer(memory, trace);
-  for (int l = solved.lattice.added + 1; l <= solved.regions.coarsest(); ++l) {
-    const Level* level = coarse.find(l - solved.lattice.added);
-    if (!level || count_faces(labels_of(*level, threshold, context), context) > 0) continue;
-    solved.regions = solved.regions.up_to(l - 1);  // too coarse to have a surface
-  }
-  solved.levels.push_back({std::move(placed.level), std::make_unique<SupportField>(std::move(placed.data))});
+  context.progress().advance(0.6, "coarser levels");
+  levels.find_coarser(memory, trace);
+  SolvedLevel& own = solved.levels[static_cast<size_t>(solved.lattice.added)];
+  own.level = std::move(placed.level);
+  own.data = std::make_unique<SupportField>(std::move(placed.data));
   return solved;
 }
 

@@ -66,17 +66,16 @@ struct SolvedLevel {
 struct SolvedLevels {
   Lattice lattice;  ///< of the finest level; the placed one is its level `lattice.added`
   Regions regions;
-  std::vector<SolvedLevel> levels;   ///< the finest first, the placed one last
+  std::vector<SolvedLevel> levels;   ///< the finest first
   std::vector<LevelReport> reports;  ///< of those below the placed one, the finest last
   std::optional<LevelSamples> kept;  ///< the samples that are not near something dropped, where that is not all
 };
 
-/// Which levels places have by their samples; and the levels below the placed one, where samples are dense, solved from
-/// it, the next finer one from each level. Each continues what it comes from where its places end. Levels that do not
-/// fit into the memory are left out, with a warning. (Those above it need no solve of their own: the placed one's
-/// pyramid has them.)
-SolvedLevels solve_other_levels(const LevelSamples& samples, PlacedLevel placed, CoarseLevels& coarse,
-                                const LevelTask& task, MemoryBudget& memory, Trace& trace, const Context& context);
+/// Which levels places have by their samples; the levels below the placed one, where samples are dense, solved from it,
+/// the next finer one from each level; and those above it, where they are sparse, in the same way. Each continues what
+/// it comes from where its places end. Levels that do not fit into the memory are left out, with a warning.
+SolvedLevels solve_other_levels(const LevelSamples& samples, PlacedLevel placed, const LevelTask& task,
+                                MemoryBudget& memory, Trace& trace, const Context& context);
 
 /// The surfaces of the others than the placed level, from the sides of each in its places (adapt/leaf_labels.h): the
 /// coarsest first, as each goes on in the surface of the next coarser one, moved onto its samples. The placed level's

@@ -135,7 +135,7 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
     if (!memory.plan_kept(coarse.bytes()) || !memory.plan_beside(0)) coarse.clear();
     SolvedLevels solved = trace.stage("adapt", [&] {
       return solve_other_levels(own, with_sides(std::move(found.level), std::move(field), threshold, labels, context),
-                                coarse, task, memory, trace, context);
+                                task, memory, trace, context);
     });
     details->solve.levels.insert(details->solve.levels.end(), solved.reports.begin(), solved.reports.end());
     if (solved.regions.coarsest() > 0 && plan_joint_solve(solved, coarse, memory, trace))

@@ -56,10 +56,8 @@ class JointStart {
 
   /// What the level came from.
   void release(int level) {
-    if (level <= placed_)
-      own(level) = {};
-    else if (Level* of_pyramid = coarse_.find(level - placed_))
-      *of_pyramid = {};
+    own(level) = {};
+    if (Level* of_pyramid = level > placed_ ? coarse_.find(level - placed_) : nullptr) *of_pyramid = {};
   }
 
   /// Those of each level's solution and data, and the parents of what finer levels want.
@@ -72,10 +70,8 @@ class JointStart {
         for (size_t b = 0; b < grid.size(); ++b)
           if (l <= placed_ || solved_.regions.has(l, grid.coord(b))) bricks.set(grid.coord(b));
       };
-      if (l <= placed_)
-        add(own(l).grid);
-      else
-        add(data(l).grid);
+      add(own(l).grid);
+      if (l > placed_) add(data(l).grid);
       if (const Level* of_pyramid = l > placed_ ? coarse_.find(l - placed_) : nullptr)
         add_bricks(of_pyramid->grid, bricks);
     }
@@ -90,30 +86,36 @@ class JointStart {
       known.push_back({own(level), [near = with_neighbors(near)](Vec3i b) { return near.test(b); }});
     } else if (level == placed_) {
       known.push_back({own(level), all_});
-    } else if (const Level* of_pyramid = coarse_.find(level - placed_)) {
-      known.push_back({*of_pyramid, all_});
+    } else {
+      known.push_back({own(level), [this, level](Vec3i b) { return solved_.regions.has(level, b); }});
+      if (const Level* of_pyramid = coarse_.find(level - placed_)) known.push_back({*of_pyramid, all_});
     }
     return known;
   }
 
   Level coarsest_level() {
     const SupportField& support = data(coarsest_);
+    SolvedLevel& last = solved_.levels.back();
     if (coarsest_ == placed_) {
-      SolvedLevel& placed = solved_.levels.back();
-      change_data(placed.level, {*placed.data, support});
-      return std::move(placed.level);
+      change_data(last.level, {*last.data, support});
+      return std::move(last.level);
     }
+    Level level;
     if (Level* of_pyramid = coarse_.find(coarsest_ - placed_)) {
       const SupportField none;
-      of_pyramid->box = solved_.lattice.box(coarsest_);
-      change_data(*of_pyramid, {none, support});
-      return std::move(*of_pyramid);
+      level = std::move(*of_pyramid);
+      level.box = solved_.lattice.box(coarsest_);
+      change_data(level, {none, support});
+    } else {                             // it was too coarse to be solved: from nothing
+      constexpr double most_bricks = 8;  // for each one of data
+      const LevelBox box = solved_.lattice.box(coarsest_);
+      level = make_level(box, last.level.lambda, start_bricks(box, support.grid, most_bricks), support.grid, support.f,
+                         context_, last.level.norm);
     }
-    constexpr double most_bricks = 8;  // for each one of data
-    const LevelBox box = solved_.lattice.box(coarsest_);
-    const Level& placed = solved_.levels.back().level;
-    return make_level(box, placed.lambda * static_cast<float>(face_area(coarsest_ - placed_)),
-                      start_bricks(box, support.grid, most_bricks), support.grid, support.f, context_, placed.norm);
+    const KnownState known{last.level, [this](Vec3i b) { return solved_.regions.has(coarsest_, b); }};
+    take_known(std::span(&known, 1), level, context_);
+    last.level = {};
+    return level;
   }
 
   SolvedLevels& solved_;
