@@ -88,7 +88,8 @@ void AtomicFile::write_out(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_.get(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(errno);
+    // What is written may be an array on a disk that has lost its pages.
+    if (written < 0) fail(errno == EFAULT ? EIO : errno);
     bytes.remove_prefix(static_cast<size_t>(written));
   }
 }
