@@ -221,8 +221,8 @@ struct Ball {
 /// The bound comes near the energy of the sides, and these are the ball's on both levels.
 TEST(SolveLeaves, ComesNearTheOptimumAcrossLevels) {
   Ball of;
-  const double most = sanitized ? 0.2 : 0.05;  // octants with fluxes of their own would leave less
-  solve_leaves(of.regions, of.state, {1, sanitized ? 60 : 600, 50}, one_thread,
+  const double most = 0.05;  // octants with fluxes of their own would leave less
+  solve_leaves(of.regions, of.state, {1, 600, 50}, one_thread,
                [&](int) { return of.energies().energies.relative_gap(1) < most; });
   const LeafEnergies found = of.energies();
   EXPECT_GE(found.energies.gap, 0);
