@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "soapfilm/adapt/surroundings.h"
 #include "soapfilm/core/parallel.h"
 
 namespace soapfilm {
@@ -15,20 +16,8 @@ constexpr int few = 16;  // vertices of a brick: a surface that differs by a vox
 int disagreeing(const Labels& coarse, const Labels& fine, Vec3i brick) {
   const BrickBits& own = coarse.of(brick);
   int count = 0;
-  for (int k = 0; k < 8; ++k) {
-    const BrickBits& children = fine.of(child_of(brick, k));
-    const Vec3i base = octant_base(octant_of(k));
-    for (int i = 0; i < octant_volume; ++i) {
-      const Vec3i v{i % half_brick, i / half_brick % half_brick, i / (half_brick * half_brick)};
-      const Vec3i at = base + v;
-      int inside = 0;
-      for (int c = 0; c < 8; ++c) {
-        const Vec3i w = v * 2 + octant_of(c);
-        inside += children.test(w.x, w.y, w.z);
-      }
-      count += inside == (own.test(at.x, at.y, at.z) ? 0 : 8);
-    }
-  }
+  for_each_with_children(fine, brick,
+                         [&](Vec3i v, int inside) { count += inside == (own.test(v.x, v.y, v.z) ? 0 : 8); });
   return count;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "soapfilm/adapt/surroundings.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/grid/trilinear.h"
 
@@ -12,19 +13,9 @@ namespace {
 /// Of a brick whose children have these: each vertex as most of those that it holds.
 BrickBits most_of_children(const Labels& fine, Vec3i parent) {
   BrickBits bits;
-  for (int k = 0; k < 8; ++k) {
-    const BrickBits& child = fine.of(child_of(parent, k));
-    const Vec3i base = octant_base(octant_of(k));
-    for (int i = 0; i < octant_volume; ++i) {
-      const Vec3i v{i % half_brick, i / half_brick % half_brick, i / (half_brick * half_brick)};
-      int inside = 0;
-      for (int c = 0; c < 8; ++c) {
-        const Vec3i w = v * 2 + octant_of(c);
-        inside += child.test(w.x, w.y, w.z);
-      }
-      if (inside >= 4) bits.set(brick_offset(base.x + v.x, base.y + v.y, base.z + v.z));
-    }
-  }
+  for_each_with_children(fine, parent, [&](Vec3i v, int inside) {
+    if (inside >= 4) bits.set(brick_offset(v.x, v.y, v.z));
+  });
   return bits;
 }
 
