@@ -11,7 +11,9 @@
 #include "soapfilm/adapt/leaf_labels.h"
 #include "soapfilm/adapt/solve_leaves.h"
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/gather.h"
 #include "soapfilm/pyramid/band.h"
+#include "soapfilm/pyramid/children.h"
 #include "soapfilm/pyramid/continue_levels.h"
 
 namespace soapfilm {
@@ -21,11 +23,14 @@ namespace {
 /// Where the leaves of all levels start from, found from the coarsest one down.
 class JointStart {
  public:
-  /// `data`: of each level's leaves.
-  JointStart(SolvedLevels& solved, CoarseLevels& coarse, const std::vector<SupportField>& data, const Context& context)
+  /// `data`: of each level's leaves. `left_out`: the gap that the places without bricks of their level may have, each
+  /// level's.
+  JointStart(SolvedLevels& solved, CoarseLevels& coarse, const std::vector<SupportField>& data, double left_out,
+             const Context& context)
       : solved_(solved),
         coarse_(coarse),
         data_(data),
+        left_out_(left_out),
         context_(context),
         placed_(solved.lattice.added),
         coarsest_(solved.regions.coarsest()) {}
@@ -43,6 +48,7 @@ class JointStart {
       wanted[static_cast<size_t>(l)].for_each([&](Vec3i b) {
         if (places->test(b) && above.grid.find(parent_of(b)) >= 0) band.set(b);
       });
+      add_left_out(above, *places, l, band);
       band = with_followers(solved_.regions, l, std::move(band), above.grid);
       levels[static_cast<size_t>(l)] = continue_in_places(above, box, band, places, known_of(l), data(l), context_);
       release(l);
@@ -53,6 +59,31 @@ class JointStart {
  private:
   Level& own(int level) { return solved_.levels[static_cast<size_t>(level)].level; }
   const SupportField& data(int level) const { return data_[static_cast<size_t>(level)]; }
+
+  /// Adds the places that have only the coarser level's flux, those with the largest gaps first, until the others have
+  /// little: that flux was found for the coarser level's data, which reach farther, and is not solved on here.
+  void add_left_out(const Level& above, const BrickMask& places, int level, BrickMask& band) const {
+    struct LeftOut {
+      Vec3i brick;
+      double gap;
+    };
+    std::vector<LeftOut> left =
+        gather<LeftOut>(above.grid.size(), 16, context_, [&](size_t b, std::vector<LeftOut>& found) {
+          for (int k = 0; k < 8; ++k) {
+            const Vec3i child = child_of(above.grid.coord(b), k);
+            if (places.contains(child) && places.test(child) && !band.test(child))
+              found.push_back({child, outside_child(above, b, octant_of(k), data(level)).gap});
+          }
+        });
+    double rest = 0;
+    for (const LeftOut& one : left) rest += one.gap;
+    std::stable_sort(left.begin(), left.end(), [](const LeftOut& a, const LeftOut& b) { return a.gap > b.gap; });
+    for (const LeftOut& next : left) {
+      if (rest <= left_out_) break;
+      band.set(next.brick);
+      rest -= next.gap;
+    }
+  }
 
   /// What the level came from.
   void release(int level) {
@@ -121,6 +152,7 @@ class JointStart {
   SolvedLevels& solved_;
   CoarseLevels& coarse_;
   const std::vector<SupportField>& data_;
+  double left_out_;
   const std::function<bool(Vec3i)> all_ = [](Vec3i) { return true; };
   const Context& context_;
   int placed_, coarsest_;
@@ -140,10 +172,11 @@ LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& l
 
 bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory, Trace& trace) {
   uint64_t bytes = coarse.bytes();
-  uint64_t most = 0;  // one level is there twice, once with its followers: with twice as many bricks, measured
+  uint64_t most =
+      0;  // one level is there twice, then with its followers and what was left out: 3 times as large, measured
   for (const SolvedLevel& level : solved.levels) {
     bytes += level.bytes();
-    most = std::max(most, level_bytes(2 * level.level.grid.size()));
+    most = std::max(most, level_bytes(3 * level.level.grid.size()));
   }
   if (memory.plan_kept(bytes, most)) return true;
   trace.warn(fmt::format("levels do not adapt: solving them jointly does not fit into {}", memory.room()));
@@ -154,11 +187,11 @@ std::vector<Labels> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, con
                                   const ReconstructParams& params, Certificate& certificate, ReportDetails& details,
                                   const Context& context) {
   constexpr int least = 64, most = 384, check_every = 32;
-  constexpr double least_gain = 0.95, enough = 2;  // times the gap of the grid alone
+  constexpr double least_gain = 0.95, enough = 2, left_out = 0.1;  // times the gap of the grid alone
   const Context quiet = silenced(context);
   const auto threshold = static_cast<float>(params.surface.threshold);
   const std::vector<SupportField> data = data_of_leaves(samples, solved.regions, solved.lattice, quiet);
-  std::vector<Level> levels = JointStart(solved, coarse, data, quiet).find();
+  std::vector<Level> levels = JointStart(solved, coarse, data, left_out * certificate.binary.gap, quiet).find();
   coarse.clear();
   LeafEnergies found;
   const auto ends = [&](int iterations) {
