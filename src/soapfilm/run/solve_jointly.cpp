@@ -172,8 +172,8 @@ LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& l
 
 bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory, Trace& trace) {
   uint64_t bytes = coarse.bytes();
-  uint64_t most =
-      0;  // one level is there twice, then with its followers and what was left out: 3 times as large, measured
+  // One level is there twice, then with its followers and what was left out: 3 times as large, measured.
+  uint64_t most = 0;
   for (const SolvedLevel& level : solved.levels) {
     bytes += level.bytes();
     most = std::max(most, level_bytes(3 * level.level.grid.size()));
