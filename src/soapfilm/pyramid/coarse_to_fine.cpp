@@ -100,9 +100,10 @@ class Descent {
 
   /// Solves the levels down to `last`, or to the first one that uses all of lambda. Those below all of lambda are
   /// solved roughly, the others to the given tolerance.
-  PyramidSolution roughly_to(int last) {
+  PyramidSolution roughly_to(int last, const std::vector<const SupportField*>& data) {
     last_ = last;
-    return to(last);
+    std::vector<SupportField> freed;
+    return to(last, data, freed);
   }
 
   /// Solves the levels down to `last`; returns that one.
@@ -110,6 +111,12 @@ class Descent {
     std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, context_);
     std::vector<const SupportField*> data = {&support_};
     for (const SupportField& field : coarser) data.push_back(&field);
+    return to(last, data, coarser);
+  }
+
+ private:
+  /// `coarser`: the data of levels 1 and on where it is freed once finer levels begin.
+  PyramidSolution to(int last, const std::vector<const SupportField*>& data, std::vector<SupportField>& coarser) {
     const std::vector<double> shares = lambda_shares(data, lambda_, norm_, context_);
     coarsest_ = static_cast<int>(shares.size()) - 1;
     start_ = static_cast<int>(std::count(shares.begin(), shares.end(), 1.0)) - 1;
@@ -122,7 +129,8 @@ class Descent {
       LevelReport report;
       report.level = l;
       report.lambda_share = shares[static_cast<size_t>(l)];
-      if (l < start_) coarser.erase(coarser.begin() + l, coarser.end());  // data[l + 1] and on is not read any more
+      if (l < start_ && !coarser.empty())
+        coarser.erase(coarser.begin() + l, coarser.end());  // data[l + 1] and on is not read any more
       if (auto known = find_known(field, report)) {
         level = std::move(*known);
       } else {
@@ -141,7 +149,6 @@ class Descent {
     return solution;
   }
 
- private:
   float lambda_of(const LevelReport& report) const {
     return static_cast<float>(lambda_ * report.lambda_share * face_area(report.level));
   }
@@ -285,9 +292,10 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
       .to(0);
 }
 
-PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const std::vector<const SupportField*>& data, double lambda,
                                     const RoughParams& params, const Context& context, const PyramidObserver& observe) {
-  return Descent(lattice, support, lambda, params.solver, alone(context), params.norm, observe).roughly_to(params.last);
+  return Descent(lattice, *data[0], lambda, params.solver, alone(context), params.norm, observe)
+      .roughly_to(params.last, data);
 }
 
 }  // namespace soapfilm

@@ -72,9 +72,9 @@ struct RoughParams {
   Norm norm = Norm::isotropic;
 };
 
-/// Solves the levels down to one above the finest, for decisions made from it. The data f of the returned level is
-/// freed unless it is level 0: only `observe` can read it.
-PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
+/// Solves the levels down to one above the finest, for decisions made from it, each rank by itself. `data`: of all
+/// levels, the finest first.
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const std::vector<const SupportField*>& data, double lambda,
                                     const RoughParams& params, const Context& context,
                                     const PyramidObserver& observe = {});
 
