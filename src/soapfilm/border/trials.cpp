@@ -7,7 +7,7 @@
 
 #include "soapfilm/border/closing.h"
 #include "soapfilm/core/context_state.h"
-#include "soapfilm/core/ranks.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/grid/ordered_sum.h"
 #include "soapfilm/pyramid/restrict.h"
 
@@ -70,16 +70,13 @@ class BorderFlux {
   double kept_ = 0;         ///< of coarser levels, where finer ones have no band
 };
 
-/// E(u) where `complement` is the solution u' = 1 - u of the negated data: its energy is E(u) + sum(f). The sum is zero
-/// for the divergence of directions alone, not for further evidence linear in u.
-Trial of_original(Trial complement, const SupportField& field, const Context& context) {
-  const auto sum = ordered_sum<double>(field.grid, context, [&](size_t b) {
+double sum_of_data(const SupportField& field, const Context& context) {
+  std::vector<double> terms(field.grid.size());
+  share_values(terms, 256, context, [&](size_t b) {
     const float* f = field.f.brick(b);
-    return std::accumulate(f, f + brick_volume, 0.0);
+    terms[b] = std::accumulate(f, f + brick_volume, 0.0);
   });
-  complement.energy -= sum;
-  complement.bound -= sum;
-  return complement;
+  return ordered_sum(field.grid, terms);
 }
 
 }  // namespace
@@ -87,14 +84,17 @@ Trial of_original(Trial complement, const SupportField& field, const Context& co
 BorderTrials::BorderTrials(const BorderProblem& problem, const Context& context)
     : problem_(problem),
       context_(context),
-      coarser_(coarser_fields(problem.field, problem.lattice, problem.lattice.levels, context)) {}
+      coarser_(coarser_fields(problem.field, problem.lattice, problem.lattice.levels, context)),
+      negated_(coarser_.size() + 1) {}
 
 Trial BorderTrials::run(Border border, int level, const PrimalDualParams& solver) {
   if (border != Border::solid) return solve(border, level, solver);
-  negate_all();
-  const Trial complement = solve(border, level, solver);
-  negate_all();
-  return of_original(complement, problem_.field, context_);
+  if (!sum_) sum_ = sum_of_data(problem_.field, alone(context_));
+  Trial trial = solve(border, level, solver);
+  data(0, false);
+  trial.energy -= *sum_;
+  trial.bound -= *sum_;
+  return trial;
 }
 
 std::vector<Trial> BorderTrials::run_ahead(int level, const PrimalDualParams& solver) {
@@ -103,22 +103,23 @@ std::vector<Trial> BorderTrials::run_ahead(int level, const PrimalDualParams& so
   if (!ranks) return {};
   const auto self = static_cast<size_t>(ranks->rank());
   const size_t count = std::min(first.size(), static_cast<size_t>(ranks->count()));
+  if (!sum_) sum_ = sum_of_data(problem_.field, context_);
   std::vector<Trial> found = of_all(*ranks, self < count ? run(first[self], level, solver) : Trial{});
   found.resize(count);
   return found;
 }
 
-Trial BorderTrials::solve(Border border, int level, PrimalDualParams solver) const {
+Trial BorderTrials::solve(Border border, int level, PrimalDualParams solver) {
   solver.tolerance = std::max(solver.tolerance, trial_tolerance);
   Lattice lattice = problem_.lattice;
   lattice.open = border == Border::open;
   BorderFlux flux;
   PyramidObserver observe;
   if (!lattice.open) observe.solved = [&](const Level& solved, const Lattice&) { flux.add(solved); };
-  std::vector<const SupportField*> data{&problem_.field};
-  for (const SupportField& field : coarser_) data.push_back(&field);
-  const PyramidSolution solution =
-      solve_coarse_levels(lattice, data, problem_.lambda, {level, solver, problem_.norm}, context_, observe);
+  const PyramidSolution solution = solve_coarse_levels(
+      lattice, problem_.field,
+      [&](int l) -> const SupportField& { return data(static_cast<size_t>(l), border == Border::solid); },
+      problem_.lambda, {level, solver, problem_.norm}, context_, observe);
   context_.check();
   const Level& finest = solution.finest;
   const Energies& energies = solution.reports.back().energies;
@@ -133,9 +134,11 @@ Trial BorderTrials::solve(Border border, int level, PrimalDualParams solver) con
   return trial;
 }
 
-void BorderTrials::negate_all() {
-  negate(problem_.field, context_);
-  for (SupportField& field : coarser_) negate(field, context_);
+const SupportField& BorderTrials::data(size_t level, bool complement) {
+  SupportField& field = level == 0 ? problem_.field : coarser_[level - 1];
+  if (negated_[level] != uint8_t{complement}) negate(field, context_);
+  negated_[level] = complement;
+  return field;
 }
 
 }  // namespace soapfilm

@@ -1,6 +1,8 @@
 // A coarse level solved with air, solid matter or nothing beyond the box.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "soapfilm/border/border.h"
@@ -35,13 +37,18 @@ class BorderTrials {
   std::vector<Trial> run_ahead(int level, const PrimalDualParams& solver);
 
  private:
-  Trial solve(Border border, int level, PrimalDualParams solver) const;
-  /// f of all levels becomes that of the complement, or the original one again.
-  void negate_all();
+  Trial solve(Border border, int level, PrimalDualParams solver);
+  /// f of a level, of the original or of the complement: minus f. Only what is read is negated; level 0 is the
+  /// problem's own, and must be turned back.
+  const SupportField& data(size_t level, bool complement);
 
   const BorderProblem& problem_;
   const Context& context_;
   std::vector<SupportField> coarser_;  ///< data of levels 1 and on, the same for all trials
+  std::vector<uint8_t> negated_;       ///< by level: whether f is that of the complement
+  /// Of f. E(u) is the energy of the complement u' = 1 - u of the negated data minus this: zero for the divergence of
+  /// directions alone, not for further evidence linear in u.
+  std::optional<double> sum_;
 };
 
 }  // namespace soapfilm

@@ -72,10 +72,13 @@ struct RoughParams {
   Norm norm = Norm::isotropic;
 };
 
-/// Solves the levels down to one above the finest, for decisions made from it, each rank by itself. `data`: of all
-/// levels, the finest first.
-PyramidSolution solve_coarse_levels(const Lattice& lattice, const std::vector<const SupportField*>& data, double lambda,
-                                    const RoughParams& params, const Context& context,
+/// The data term of a level, called when it is read.
+using LevelData = std::function<const SupportField&(int level)>;
+
+/// Solves the levels down to one above the finest, for decisions made from it, each rank by itself. Of the finest
+/// level's data, `support`, it needs the bricks.
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, const LevelData& data,
+                                    double lambda, const RoughParams& params, const Context& context,
                                     const PyramidObserver& observe = {});
 
 }  // namespace soapfilm
