@@ -1,7 +1,8 @@
 // Ranks that share the border's trials decide alike, and as one process.
 #include <gtest/gtest.h>
 
-#include <ostream>
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <tuple>
 
