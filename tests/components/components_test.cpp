@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "components/drawn_level.h"
@@ -10,8 +11,10 @@
 #include "soapfilm/core/random.h"
 #include "soapfilm/error.h"
 #include "soapfilm/reconstruct.h"
+#include "support/hash.h"
 #include "support/problem.h"
 #include "support/random_level.h"
+#include "support/thread_ranks.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -214,6 +217,24 @@ TEST(Components, OfOutliersAreDroppedAndTheSphereIsKept) {
   EXPECT_EQ(dropped.cavities.kept, 0u);
   EXPECT_GT(dropped.cavities.dropped, 0u);
   EXPECT_LT(static_cast<double>(dropped.samples), 0.05 * static_cast<double>(cloud.size()));
+}
+
+/// Ranks share the samples and the contacts of bricks.
+TEST(Components, OnRanksAreThoseOfOneProcess) {
+  const auto run = [](const Context& context) {
+    Drawing drawing({big, {{22, 30, 30}, 4, 6, false}, {{38, 30, 30}, 6, 300, false}, {{64, 30, 30}, 5, 30}});
+    ComponentReport report;
+    drop_components(drawing.labels, drawing.samples, 1, {}, context, report);
+    EXPECT_EQ(report.objects.dropped, 1u);
+    EXPECT_EQ(report.cavities.dropped, 1u);
+    const std::vector<double> facts{report.lowest_kept, report.highest_dropped, report.area,
+                                    static_cast<double>(report.samples), static_cast<double>(report.vertices)};
+    return hash_bytes(std::span<const BrickBits>(drawing.labels.bits), hash_bytes(std::span<const double>(facts)));
+  };
+  const uint64_t alone = run(Context(1));
+  for (uint64_t cut = 1; cut <= 12; ++cut)
+    for (const uint64_t found : on_ranks<uint64_t>(1 + static_cast<int>(cut % 7), 1, {cut}, run))
+      EXPECT_EQ(found, alone) << "cut " << cut;
 }
 
 }  // namespace TEST_FILE

@@ -4,22 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <vector>
 
-#include "soapfilm/border/closing.h"
+#include "soapfilm/border/trials.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/portable_math.h"
 #include "soapfilm/error.h"
-#include "soapfilm/grid/ordered_sum.h"
 
 namespace soapfilm {
 
 namespace {
 
 /// A coarse level is solved roughly, and a second time where that leaves the choice open.
-constexpr double trial_tolerance = 3e-3;
 constexpr int trial_iterations = 128, more_iterations = 400;  // per level
 
 /// As a share of a surface's cost of area: the trials are no more accurate.
@@ -45,113 +42,6 @@ bool has_coarser_trial(const Lattice& lattice, int level) {
   constexpr int fine_enough = 48;  // vertices along the longest side
   const Vec3i n = lattice.size;
   return level + 1 < lattice.levels && std::max({n.x, n.y, n.z}) >> (level + 1) >= fine_enough;
-}
-
-/// The sum of |p| over the faces between the box's free and fixed vertices, of levels from coarse to fine: outside a
-/// level's band the coarser level's p counts. Bricks partly in the band count twice.
-class BorderFlux {
- public:
-  void add(const Level& level) {
-    for (const Part& part : last_)
-      if (!covered(part.brick, level)) kept_ += part.flux;
-    last_.clear();
-    for (size_t b = 0; b < level.grid.size(); ++b)
-      if (const Vec3i coord = level.grid.coord(b); at_border(level.box, coord))
-        last_.push_back({coord, through_border(level, b)});
-  }
-  double sum() const {
-    double sum = kept_;
-    for (const Part& part : last_) sum += part.flux;
-    return sum;
-  }
-
- private:
-  struct Part {
-    Vec3i brick;
-    double flux;
-  };
-
-  /// Are all children of a coarser brick that lie at the border in the band?
-  static bool covered(Vec3i brick, const Level& level) {
-    for (int child = 0; child < 8; ++child) {
-      const Vec3i coord = brick * 2 + Vec3i{child % 2, child / 2 % 2, child / 4};
-      const Vec3i n = level.box.bricks;
-      if (coord.x >= n.x || coord.y >= n.y || coord.z >= n.z) continue;
-      if (at_border(level.box, coord) && has_free(level.box, coord) && level.grid.find(coord) < 0) return false;
-    }
-    return true;
-  }
-
-  static double through_border(const Level& level, size_t b) {
-    double sum = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float* p = level.p.brick(b, axis);
-      for (int i = 0; i < brick_volume; ++i) {
-        const Vec3i v = level.grid.first_vertex(b) + vertex_in_brick(i);
-        Vec3i next = v;
-        ++next[axis];
-        if (level.box.is_free(v) != level.box.is_free(next)) sum += std::abs(double{p[i]});
-      }
-    }
-    return sum;
-  }
-
-  std::vector<Part> last_;  ///< of the previous level
-  double kept_ = 0;         ///< of coarser levels, where finer ones have no band
-};
-
-/// The result with one border; energies and costs are those of its level.
-struct Trial {
-  double energy = 0;     ///< lowest found; at most E(0) = 0
-  double bound = 0;      ///< no u has a lower energy
-  double area_cost = 0;  ///< lambda TV(u), at least 1000 lambda
-  double flux = 0;       ///< through the border
-  double closing = 0;    ///< share of the surface's area that is there only to close it
-  int level = 0;
-
-  /// A lower bound of the energy with any border: another border can gain at most all of the flux of p through the
-  /// border of a closed problem.
-  double bound_of_any() const { return bound - flux; }
-};
-
-/// E(u) where `complement` is the solution u' = 1 - u of the negated data: its energy is E(u) + sum(f). The sum is zero
-/// for the divergence of directions alone, not for further evidence linear in u.
-Trial of_original(Trial complement, const SupportField& field, const Context& context) {
-  const auto sum = ordered_sum<double>(field.grid, context, [&](size_t b) {
-    const float* f = field.f.brick(b);
-    return std::accumulate(f, f + brick_volume, 0.0);
-  });
-  complement.energy -= sum;
-  complement.bound -= sum;
-  return complement;
-}
-
-Trial solve(const BorderProblem& problem, Border border, int at, PrimalDualParams solver, const Context& context) {
-  solver.tolerance = std::max(solver.tolerance, trial_tolerance);
-  Lattice lattice = problem.lattice;
-  lattice.open = border == Border::open;
-  BorderFlux flux;
-  PyramidObserver observe;
-  double closing = 0;
-  if (!lattice.open)
-    observe.solved = [&](const Level& level, const Lattice&) {
-      flux.add(level);
-      // Done here, as the level's data does not outlive the solve.
-      closing = closing_share(level, problem.density * face_area(level.box.level), context);
-    };
-  const PyramidSolution solution =
-      solve_coarse_levels(lattice, problem.field, problem.lambda, {at, solver, problem.norm}, context, observe);
-  context.check();
-  const Energies& energies = solution.reports.back().energies;
-  const double lambda = solution.finest.lambda;
-  Trial trial;
-  trial.energy = std::min(0.0, energies.primal);
-  trial.bound = std::min(trial.energy, energies.dual);
-  trial.area_cost = std::max(energies.primal < 0 ? lambda * energies.total_variation : 0, 1000 * lambda);
-  trial.flux = flux.sum();
-  trial.level = solution.finest.box.level;
-  trial.closing = closing;
-  return trial;
 }
 
 std::string percent(double share) {
@@ -235,13 +125,17 @@ class Choice {
 };
 
 /// The choice by the trials of one level.
-BorderReport choose_at(int level, const BorderProblem& problem, const Surroundings& scanners,
-                       const BorderParams& params, PrimalDualParams solver, const Context& context) {
+BorderReport choose_at(int level, BorderTrials& trials, const Surroundings& scanners, const BorderParams& params,
+                       PrimalDualParams solver) {
   const int asked_iterations = solver.max_iterations;
   solver.max_iterations = std::min(asked_iterations, trial_iterations);
+  const std::vector<Trial> ahead = trials.run_ahead(level, solver);
+  const auto trial = [&](size_t k, Border border) {
+    return k < ahead.size() ? ahead[k] : trials.run(border, level, solver);
+  };
   BorderReport report;
   report.scanners = scanners;
-  const Trial air = solve(problem, Border::air, level, solver, context);
+  const Trial air = trial(0, Border::air);
   report.level = air.level;
   report.air = air.energy;
   report.area_cost = air.area_cost;
@@ -252,10 +146,7 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
     report.reason = fmt::format("anything else could save no more than {} of the surface's area", percent(most));
     return report;
   }
-  negate(problem.field, context);
-  const Trial complement = solve(problem, Border::solid, level, solver, context);
-  negate(problem.field, context);
-  const Trial solid = of_original(complement, problem.field, context);
+  const Trial solid = trial(1, Border::solid);
   const Choice choice(params, air, solid, report.scanners);
   // A closed surface is an open one, too.
   const double closed = std::min(air.energy, solid.energy);
@@ -263,13 +154,15 @@ BorderReport choose_at(int level, const BorderProblem& problem, const Surroundin
   Saving spared = choice.saving_of(closed, closed_bound);
   report.open = closed;
   report.open_bound = closed_bound;
-  for (const int iterations : {trial_iterations, more_iterations}) {
-    if (!choice.undecided(spared) && iterations == more_iterations) break;
-    solver.max_iterations = std::min(asked_iterations, iterations);
-    const Trial open = solve(problem, Border::open, level, solver, context);
+  const auto compare = [&](const Trial& open) {
     report.open = std::min(*report.open, open.energy);
     report.open_bound = std::max(*report.open_bound, open.bound);
     spared = choice.saving_of(*report.open, *report.open_bound);
+  };
+  compare(trial(2, Border::open));
+  if (choice.undecided(spared)) {
+    solver.max_iterations = std::min(asked_iterations, more_iterations);
+    compare(trials.run(Border::open, level, solver));
   }
   report.solid = solid.energy;
   choice.tell(spared, report);
@@ -302,11 +195,12 @@ void negate(SupportField& field, const Context& context) {
 BorderReport choose_border(const BorderProblem& problem, const Surroundings& scanners, const BorderParams& params,
                            PrimalDualParams solver, const Context& context) {
   const int level = trial_level(problem);
+  BorderTrials trials(problem, context);
   if (has_coarser_trial(problem.lattice, level)) {
-    BorderReport coarser = choose_at(level + 1, problem, scanners, params, solver, context);
+    BorderReport coarser = choose_at(level + 1, trials, scanners, params, solver);
     if (is_clear(coarser)) return coarser;
   }
-  return choose_at(level, problem, scanners, params, solver, context);
+  return choose_at(level, trials, scanners, params, solver);
 }
 
 }  // namespace soapfilm

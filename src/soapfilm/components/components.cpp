@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "soapfilm/components/parts.h"
-#include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm {
 
 namespace {
+
+constexpr size_t bricks_per_task = 16;
 
 /// Distances before and behind a sample at which its two sides are looked up, voxels: one for accurate samples, one
 /// beyond noise. A viewing direction may be oblique to the surface and reach less deep.
@@ -57,8 +59,10 @@ struct PartEvidence {
   double weight;
 };
 
-void add_evidence(uint32_t part, double count, double weight, std::vector<PartEvidence>& evidence) {
-  auto at = std::find_if(evidence.begin(), evidence.end(), [&](const PartEvidence& e) { return e.part == part; });
+/// To that of the same brick, which begins at `first`.
+void add_evidence(uint32_t part, double count, double weight, size_t first, std::vector<PartEvidence>& evidence) {
+  auto at = std::find_if(evidence.begin() + static_cast<std::ptrdiff_t>(first), evidence.end(),
+                         [&](const PartEvidence& e) { return e.part == part; });
   if (at == evidence.end()) at = evidence.insert(at, {part, 0, 0});
   at->count += count;
   at->weight += weight;
@@ -67,23 +71,22 @@ void add_evidence(uint32_t part, double count, double weight, std::vector<PartEv
 /// A sample that may lie on two surfaces counts for both, so that removing one of the parts leaves the support of the
 /// other unchanged.
 Evidence evidence_of(const Parts& parts, const GridSamples& samples, const Context& context) {
-  std::vector<std::vector<PartEvidence>> in_brick(samples.bricks.size());
-  parallel_for(context, samples.bricks.size(), 16, [&](size_t b) {
+  const auto of_bricks = [&](size_t b, std::vector<PartEvidence>& found) {
     const PartsAround around(parts, samples.bricks.coord(b));
+    const size_t first = found.size();
     for (uint32_t s = samples.begin[b]; s < samples.begin[b + 1]; ++s) {
       const Vec3f direction = samples.direction[s];
       const Supported by = supported_parts(parts, around, samples.local[s], normalized(direction));
       const double weight = norm(direction);
       for (size_t k = 0; k < by.size(); ++k)
-        if (k == 0 || by[k] != by[0]) add_evidence(by[k], samples.weight_of(s), weight, in_brick[b]);
+        if (k == 0 || by[k] != by[0]) add_evidence(by[k], samples.weight_of(s), weight, first, found);
     }
-  });
+  };
   Evidence evidence{std::vector<double>(parts.size()), std::vector<double>(parts.size())};
-  for (const auto& found : in_brick)
-    for (const PartEvidence& e : found) {
-      evidence.count[e.part] += e.count;
-      evidence.weight[e.part] += e.weight;
-    }
+  for (const PartEvidence& e : share_gather<PartEvidence>(samples.bricks.size(), bricks_per_task, context, of_bricks)) {
+    evidence.count[e.part] += e.count;
+    evidence.weight[e.part] += e.weight;
+  }
   return evidence;
 }
 

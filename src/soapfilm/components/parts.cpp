@@ -6,6 +6,7 @@
 
 #include "soapfilm/core/gather.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 
 namespace soapfilm {
 
@@ -62,11 +63,9 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t node) {
 Parts::Parts(const Labels& labels, const Context& context)
     : grid_(labels.grid), box_(labels.box), gaps_(grid_), side_(labels.inside) {
   find_pieces(labels, context);
-  std::vector<std::vector<Contact>> contacts((grid_.size() + grain - 1) / grain + 1);
-  parallel_chunks(context, grid_.size(), grain, [&](size_t begin, size_t end) {
-    for (size_t b = begin; b < end; ++b) touch_brick(labels, b, contacts[begin / grain]);
-  });
-  touch_gaps(contacts.back());
+  std::vector<Contact> contacts = share_gather<Contact>(
+      grid_.size(), grain, context, [&](size_t b, std::vector<Contact>& found) { touch_brick(labels, b, found); });
+  touch_gaps(contacts);
   number_parts(contacts);
   find_surroundings(contacts);
 }
@@ -135,15 +134,14 @@ void Parts::touch_gaps(std::vector<Contact>& contacts) const {
     if (!side_[g] && faces_at_end(gaps_[g], box) > 0) contacts.push_back({0, node_of_gap(g), 0});
 }
 
-void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
+void Parts::number_parts(const std::vector<Contact>& contacts) {
   std::vector<uint32_t> parent(1 + pieces_.size() + gaps_.size());
   for (uint32_t node = 0; node < parent.size(); ++node) parent[node] = node;
-  for (const auto& chunk : contacts)
-    for (const Contact& c : chunk) {
-      if (c.faces > 0) continue;
-      const uint32_t a = root_of(parent, c.a), b = root_of(parent, c.b);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+  for (const Contact& c : contacts) {
+    if (c.faces > 0) continue;
+    const uint32_t a = root_of(parent, c.a), b = root_of(parent, c.b);
+    parent[std::max(a, b)] = std::min(a, b);
+  }
   // The root is the smallest node, so a part's number is known when its first node is met.
   part_.assign(parent.size(), none);
   const auto put = [&](uint32_t node, bool inside, size_t vertices) {
@@ -161,11 +159,10 @@ void Parts::number_parts(const std::vector<std::vector<Contact>>& contacts) {
     if (!gaps_[g].empty()) put(node_of_gap(g), side_[g], count_vertices(gaps_[g]));
 }
 
-void Parts::find_surroundings(const std::vector<std::vector<Contact>>& contacts) {
+void Parts::find_surroundings(const std::vector<Contact>& contacts) {
   std::map<std::pair<uint32_t, uint32_t>, size_t> faces;
-  for (const auto& chunk : contacts)
-    for (const Contact& c : chunk)
-      if (c.faces > 0) faces[std::minmax(part_[c.a], part_[c.b])] += c.faces;
+  for (const Contact& c : contacts)
+    if (c.faces > 0) faces[std::minmax(part_[c.a], part_[c.b])] += c.faces;
   std::vector<std::vector<std::pair<uint32_t, size_t>>> neighbors(parts_.size());
   for (const auto& [pair, count] : faces) {
     neighbors[pair.first].emplace_back(pair.second, count);

@@ -56,8 +56,8 @@ class Parts {
   void find_pieces(const Labels& labels, const Context& context);
   void touch_brick(const Labels& labels, size_t brick, std::vector<Contact>& contacts) const;
   void touch_gaps(std::vector<Contact>& contacts) const;
-  void number_parts(const std::vector<std::vector<Contact>>& contacts);
-  void find_surroundings(const std::vector<std::vector<Contact>>& contacts);
+  void number_parts(const std::vector<Contact>& contacts);
+  void find_surroundings(const std::vector<Contact>& contacts);
 
   const BrickGrid& grid_;
   LevelBox box_;

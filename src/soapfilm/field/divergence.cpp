@@ -8,7 +8,9 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/parallel.h"
+#include "soapfilm/core/share.h"
 #include "soapfilm/device/device.h"
+#include "soapfilm/grid/bring_bricks.h"
 #include "soapfilm/kernels/divergence_kernel.h"
 #include "soapfilm/kernels/kernels.h"
 
@@ -172,12 +174,15 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
 
   SplatLayers splats(samples, context);
   const DivergenceKernel divergence = kernels_of(context).divergence;
+  const ItemRange own = own_part(even_parts(field.grid.size(), context), context);
   for (const BrickGrid::Slice& slice : field.grid.slices()) {
+    const ItemRange bricks = own.common({slice.begin, slice.end});
+    if (bricks.size() == 0) continue;
     splats.go_to(slice.z);
-    context.progress().advance(static_cast<double>(slice.begin) / static_cast<double>(field.grid.size()), {});
-    parallel_chunks(context, slice.end - slice.begin, bricks_per_task, [&](size_t from, size_t to) {
+    context.progress().advance(static_cast<double>(bricks.begin - own.begin) / static_cast<double>(own.size()), {});
+    parallel_chunks(context, bricks.size(), bricks_per_task, [&](size_t from, size_t to) {
       SplatWindow window;
-      for (size_t b = slice.begin + from; b < slice.begin + to; ++b) {
+      for (size_t b = bricks.begin + from; b < bricks.begin + to; ++b) {
         const BrickGrid::Neighbors& neighbors = field.grid.neighbors(b);
         for (int k = 0; k < 27; ++k) {
           const int32_t holder = neighbors[static_cast<size_t>(k)];
@@ -189,6 +194,7 @@ SupportField divergence_field(const GridSamples& samples, const LevelBox& box, c
       }
     });
   }
+  bring_bricks(field.f, context);
   return field;
 }
 

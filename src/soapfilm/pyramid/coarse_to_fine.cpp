@@ -68,16 +68,16 @@ double largest_gain(const SupportField& support, const Context& context) {
 /// estimated from the bricks that the samples reach: a surface reaches one per 20 voxel^2. Coarser levels use the
 /// fraction that their data pays for, if there is any: they show roughly where the inside is, which from zero takes one
 /// iteration per third of a vertex.
-std::vector<double> lambda_shares(const std::vector<const SupportField*>& data, double lambda, Norm norm,
+std::vector<double> lambda_shares(const LevelData& data, int levels, size_t finest_bricks, double lambda, Norm norm,
                                   const Context& context) {
   constexpr double area_per_brick = 20;
   constexpr double gain_per_cost = 1.5;
   constexpr double least_share = 0.25;
   constexpr size_t paper_levels = 3;  // section 4.3
-  const double cost = lambda * mean_area(norm) * area_per_brick * static_cast<double>(data[0]->grid.size());
-  std::vector<double> shares(data.size(), 1.0);
-  for (size_t l = data.size(); l-- > paper_levels;) {
-    shares[l] = std::min(1.0, largest_gain(*data[l], context) / (gain_per_cost * cost));
+  const double cost = lambda * mean_area(norm) * area_per_brick * static_cast<double>(finest_bricks);
+  std::vector<double> shares(static_cast<size_t>(levels), 1.0);
+  for (size_t l = shares.size(); l-- > paper_levels;) {
+    shares[l] = std::min(1.0, largest_gain(data(static_cast<int>(l)), context) / (gain_per_cost * cost));
     if (shares[l] == 1) break;
   }
   const auto end = std::find_if(shares.begin(), shares.end(), [](double share) { return share < least_share; });
@@ -100,17 +100,26 @@ class Descent {
 
   /// Solves the levels down to `last`, or to the first one that uses all of lambda. Those below all of lambda are
   /// solved roughly, the others to the given tolerance.
-  PyramidSolution roughly_to(int last) {
+  PyramidSolution roughly_to(int last, const LevelData& data) {
     last_ = last;
-    return to(last);
+    std::vector<SupportField> freed;
+    return to(last, data, freed);
   }
 
   /// Solves the levels down to `last`; returns that one.
   PyramidSolution to(int last) {
     std::vector<SupportField> coarser = coarser_fields(support_, lattice_, lattice_.levels, context_);
-    std::vector<const SupportField*> data = {&support_};
-    for (const SupportField& field : coarser) data.push_back(&field);
-    const std::vector<double> shares = lambda_shares(data, lambda_, norm_, context_);
+    const LevelData data = [&](int level) -> const SupportField& {
+      return level == 0 ? support_ : coarser[static_cast<size_t>(level - 1)];
+    };
+    return to(last, data, coarser);
+  }
+
+ private:
+  /// `coarser`: the data of levels 1 and on where it is freed once finer levels begin.
+  PyramidSolution to(int last, const LevelData& data, std::vector<SupportField>& coarser) {
+    const std::vector<double> shares =
+        lambda_shares(data, lattice_.levels, support_.grid.size(), lambda_, norm_, context_);
     coarsest_ = static_cast<int>(shares.size()) - 1;
     start_ = static_cast<int>(std::count(shares.begin(), shares.end(), 1.0)) - 1;
     last = std::min(last, start_);
@@ -118,11 +127,12 @@ class Descent {
     PyramidSolution solution;
     Level& level = solution.finest;
     for (int l = coarsest_; l >= last; --l) {
-      const SupportField& field = *data[static_cast<size_t>(l)];
+      const SupportField& field = data(l);
       LevelReport report;
       report.level = l;
       report.lambda_share = shares[static_cast<size_t>(l)];
-      if (l < start_) coarser.erase(coarser.begin() + l, coarser.end());  // data[l + 1] and on is not read any more
+      if (l < start_ && !coarser.empty())
+        coarser.erase(coarser.begin() + l, coarser.end());  // data(l + 1) and on is not read any more
       if (auto known = find_known(field, report)) {
         level = std::move(*known);
       } else {
@@ -141,7 +151,6 @@ class Descent {
     return solution;
   }
 
- private:
   float lambda_of(const LevelReport& report) const {
     return static_cast<float>(lambda_ * report.lambda_share * face_area(report.level));
   }
@@ -285,9 +294,11 @@ PyramidSolution solve_coarse_to_fine(const Lattice& lattice, const SupportField&
       .to(0);
 }
 
-PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
-                                    const RoughParams& params, const Context& context, const PyramidObserver& observe) {
-  return Descent(lattice, support, lambda, params.solver, alone(context), params.norm, observe).roughly_to(params.last);
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, const LevelData& data,
+                                    double lambda, const RoughParams& params, const Context& context,
+                                    const PyramidObserver& observe) {
+  return Descent(lattice, support, lambda, params.solver, alone(context), params.norm, observe)
+      .roughly_to(params.last, data);
 }
 
 }  // namespace soapfilm

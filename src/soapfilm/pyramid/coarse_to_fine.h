@@ -72,10 +72,13 @@ struct RoughParams {
   Norm norm = Norm::isotropic;
 };
 
-/// Solves the levels down to one above the finest, for decisions made from it. The data f of the returned level is
-/// freed unless it is level 0: only `observe` can read it.
-PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, double lambda,
-                                    const RoughParams& params, const Context& context,
+/// The data term of a level, called when it is read.
+using LevelData = std::function<const SupportField&(int level)>;
+
+/// Solves the levels down to one above the finest, for decisions made from it, each rank by itself. Of the finest
+/// level's data, `support`, it needs the bricks.
+PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, const LevelData& data,
+                                    double lambda, const RoughParams& params, const Context& context,
                                     const PyramidObserver& observe = {});
 
 }  // namespace soapfilm

@@ -4,6 +4,7 @@
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/core/share.h"
 #include "soapfilm/device/device.h"
+#include "soapfilm/grid/bring_bricks.h"
 
 namespace soapfilm {
 
@@ -33,9 +34,7 @@ SupportField restrict_field(const SupportField& fine, const LevelBox& coarse_box
       if (child >= 0) add_child(fine.f.brick(static_cast<size_t>(child)), octant_of(k), coarse.f.brick(b));
     }
   });
-  if (coarse.grid.size() > 0)
-    bring_items(coarse.grid.size(), {coarse.f.brick(0), brick_volume * sizeof(float)}, context,
-                [](size_t b) { return b; });
+  bring_bricks(coarse.f, context);
   return coarse;
 }
 

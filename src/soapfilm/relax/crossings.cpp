@@ -115,7 +115,7 @@ std::vector<uint32_t> CrossingSearch::half_spaces(const std::vector<Reach>& reac
     uint32_t own = unchanged;  // not computed yet
     for_slots(k, [&](auto slot) {
       const uint32_t now = slot.load(order);
-      if (now == unchanged) return;
+      if (now == unchanged || now == 0) return;
       if (own == unchanged) own = half_spaces_of(first + k);
       if ((now & own) != now) slot.fetch_and(own, order);
     });

@@ -34,9 +34,10 @@ HalfEdges::HalfEdges(Mesh& mesh, const Context& context) : mesh_(mesh), twin_(3 
 
 void HalfEdges::link_all(ItemRange wanted) {
   const ItemRange lower = vertices_of(mesh_, wanted);
+  ItemRange triangles{0, mesh_.triangles.size()};
   // Calls visit(half edge, lower vertex from lower.begin on, upper vertex, whether it runs upwards).
   const auto for_halves = [&](auto&& visit) {
-    for (size_t t = 0; t < mesh_.triangles.size(); ++t)
+    for (size_t t = triangles.begin; t < triangles.end; ++t)
       for (uint32_t k = 0; k < 3; ++k) {
         const uint32_t from = mesh_.triangles[t][k], to = mesh_.triangles[t][k == 2 ? 0 : k + 1];
         const size_t low = std::min(from, to) - lower.begin;
@@ -45,7 +46,12 @@ void HalfEdges::link_all(ItemRange wanted) {
   };
   // The upward halves, sorted by the vertex where they start: about three each.
   std::vector<uint32_t> end(lower.size());
-  for_halves([&](uint32_t, size_t low, uint32_t, bool up) { end[low] += up; });
+  ItemRange touching{mesh_.triangles.size(), 0};
+  for_halves([&](uint32_t h, size_t low, uint32_t, bool up) {
+    end[low] += up;
+    touching = {std::min<size_t>(touching.begin, h / 3), h / 3 + size_t{1}};
+  });
+  triangles = {std::min(touching.begin, touching.end), touching.end};
   for (size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
   std::vector<uint32_t> upwards(end.empty() ? 0 : end.back()), first = end;
   for_halves([&](uint32_t h, size_t low, uint32_t, bool up) {

@@ -29,7 +29,7 @@ constexpr int corner_of(int k) { return (1 + (k & 1)) + 4 * (1 + (k >> 1 & 1)) +
 SmoothField::SmoothField(const BrickGrid& grid, const Field<float>& value, const Context& context)
     : grid_(grid), rough_(value), value_(grid, pages_of(context)) {
   if (ranks_of(context))
-    parts_ = std::make_unique<std::once_flag[]>(grid.size() / bricks_per_part + 1);
+    parts_ = std::make_unique<Part[]>(grid.size() / bricks_per_part + 1);
   else
     parallel_chunks(context, grid.size(), bricks_per_part, [&](size_t begin, size_t end) { smooth(begin, end); });
 }
@@ -61,8 +61,13 @@ void SmoothField::need_around(const BrickGrid::Neighbors& neighbors, Vec3i first
       for (int x = first.x >> 3; x <= last.x >> 3; ++x) {
         const int32_t brick = neighbors[neighbor_slot(x, y, z)];
         if (brick < 0) continue;
-        const size_t part = static_cast<size_t>(brick) / bricks_per_part, begin = part * bricks_per_part;
-        std::call_once(parts_[part], [&] { smooth(begin, std::min(begin + bricks_per_part, grid_.size())); });
+        const size_t begin = static_cast<size_t>(brick) / bricks_per_part * bricks_per_part;
+        Part& part = parts_[begin / bricks_per_part];
+        if (part.is_there.load(std::memory_order_acquire)) continue;
+        std::call_once(part.once, [&] {
+          smooth(begin, std::min(begin + bricks_per_part, grid_.size()));
+          part.is_there.store(true, std::memory_order_release);
+        });
       }
 }
 

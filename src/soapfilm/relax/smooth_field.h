@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -46,7 +47,11 @@ class SmoothField {
   const BrickGrid& grid_;
   const Field<float>& rough_;
   mutable Field<float> value_;
-  mutable std::unique_ptr<std::once_flag[]> parts_;  ///< whether they are there; null: all are
+  struct Part {
+    std::once_flag once;
+    std::atomic<bool> is_there{false};  ///< faster to ask than `once`
+  };
+  mutable std::unique_ptr<Part[]> parts_;  ///< null: all are there
 };
 
 }  // namespace soapfilm

@@ -44,7 +44,7 @@ BrickMask choose_patches(const GridSamples& samples, const HeldOutParams& params
   return mask;
 }
 
-/// The part of a band in some bricks, renumbered, and an array on it.
+/// The part of a band in some bricks, renumbered, in slabs where it is thick, and an array on it.
 std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& values, const BrickMask& bricks,
                                         const Context& context) {
   BrickMask mask(band.grid().bricks());
@@ -61,6 +61,7 @@ std::pair<NarrowBand, RowArray> part_of(const NarrowBand& band, const RowArray& 
     }
   }
   NarrowBand part(std::move(grid), vertices, context);
+  part.share_out(Slabs::of(part.grid(), context));
   RowArray array = part.make_array();
   for (size_t r = 1; r < rows.size(); ++r)
     std::copy_n(values.data() + static_cast<size_t>(rows[r]) * brick_side, brick_side, array.data() + r * brick_side);
@@ -113,6 +114,7 @@ const RowArray& HeldOut::fit(const FitWeights& fit_weights) {
   std::copy_n(part_.second.data(), part_.second.size(), displacement_.phi().data());
   // Its rounds report no progress: a search makes several such fits.
   fit_robustly(displacement_, samples_, cells_, train_, fit_weights, robust_, silenced(context_));
+  bring_all(part_.first, displacement_.phi());
   return displacement_.phi();
 }
 
