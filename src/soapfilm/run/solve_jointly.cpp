@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "soapfilm/adapt/cut_leaves.h"
 #include "soapfilm/adapt/leaf_data.h"
 #include "soapfilm/adapt/leaf_energy.h"
 #include "soapfilm/adapt/leaf_labels.h"
@@ -136,44 +137,106 @@ LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& l
   return evaluate_leaves(solved.regions, leaves, solved.lattice.added, context);
 }
 
+bool cuts(Method method) { return method == Method::graph_cut_6 || method == Method::graph_cut_26; }
+
+GraphCutSetup cut_setup(const ReconstructParams& params) {
+  return {params.method == Method::graph_cut_6 ? 6 : 26, params.graph_cut.weights, params.energy.norm};
+}
+
+/// The graph around the data of all levels, before its leaves are counted.
+uint64_t first_graph_bytes(const SolvedLevels& solved, const ReconstructParams& params) {
+  uint64_t bricks = 0;
+  for (const SolvedLevel& level : solved.levels) bricks += level.data ? level.data->grid.size() : 0;
+  const double each =
+      graph_vertices_per_brick * static_cast<double>(leaf_graph_bytes(cut_setup(params).neighbors)) + mixed_brick_bytes;
+  return static_cast<uint64_t>(each * static_cast<double>(bricks));
+}
+
+void warn_too_large(const JointTask& task) {
+  task.trace.warn(fmt::format("levels do not adapt: solving them jointly does not fit into {}", task.memory.room()));
+}
+
+struct JointSolution {
+  std::vector<Level> levels;
+  LeafEnergies energies;
+};
+
+/// The leaves as tv's iteration leaves them.
+JointSolution iterated_leaves(SolvedLevels& solved, CoarseLevels& coarse, const std::vector<SupportField>& data,
+                              const ReconstructParams& params, const Certificate& of_grid, const Context& context) {
+  constexpr int least = 64, most = 384, check_every = 32;
+  constexpr double least_gain = 0.95, enough = 2;  // times the gap of the grid alone
+  const Context quiet = silenced(context);
+  const auto threshold = static_cast<float>(params.surface.threshold);
+  JointSolution found{JointStart(solved, coarse, data, quiet).find(), {}};
+  coarse.clear();
+  const auto ends = [&](int iterations) {
+    context.progress().advance(0.6 * iterations / most, fmt::format("{} iterations", iterations));
+    if (iterations < least) return false;
+    const double before = found.energies.energies.gap;
+    found.energies = energies_of(solved, found.levels, data, threshold, quiet);
+    const Energies& now = found.energies.energies;
+    const bool stalls = iterations > least && now.gap > least_gain * before;
+    return stalls || now.relative_gap(of_grid.lambda) <= enough * of_grid.relative_gap_binary();
+  };
+  solve_leaves(solved.regions, found.levels, {params.solve.step_balance, most, check_every}, quiet, ends);
+  return found;
+}
+
+/// The leaves on both sides of the cheapest cut, which needs nothing of the levels' own solutions: frees them.
+std::optional<JointSolution> cut_all_leaves(SolvedLevels& solved, const std::vector<SupportField>& data,
+                                            const JointTask& task, double lambda, const Context& context,
+                                            GraphCutReport& report) {
+  solved.levels.clear();
+  uint64_t data_bytes = 0;
+  for (const SupportField& field : data) data_bytes += support_bytes(field.grid.size());
+  LeafCutSetup how{cut_setup(task.params), lambda, {}};
+  how.fits = [&](size_t leaves, uint64_t beside) {
+    return task.memory.plan_kept(data_bytes, leaf_graph_bytes(how.graph.neighbors) * leaves + beside);
+  };
+  std::optional<std::vector<Level>> levels = cut_leaves(solved.regions, solved.lattice, data, how, context, report);
+  if (!levels) return {};
+  const auto threshold = static_cast<float>(task.params.surface.threshold);
+  const LeafEnergies energies = energies_of(solved, *levels, data, threshold, silenced(context));
+  return JointSolution{std::move(*levels), energies};
+}
+
 }  // namespace
 
-bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory, Trace& trace) {
+bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, const JointTask& task) {
   uint64_t bytes = coarse.bytes();
   uint64_t most = 0;  // one level is there twice, once with its followers: with twice as many bricks, measured
   for (const SolvedLevel& level : solved.levels) {
     bytes += level.bytes();
     most = std::max(most, level_bytes(2 * level.level.grid.size()));
   }
-  if (memory.plan_kept(bytes, most)) return true;
-  trace.warn(fmt::format("levels do not adapt: solving them jointly does not fit into {}", memory.room()));
+  if (cuts(task.params.method)) most = first_graph_bytes(solved, task.params);
+  if (task.memory.plan_kept(bytes, most)) return true;
+  warn_too_large(task);
   return false;
 }
 
-std::vector<Labels> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, const GridSamples& samples,
-                                  const ReconstructParams& params, Certificate& certificate, ReportDetails& details,
-                                  const Context& context) {
-  constexpr int least = 64, most = 384, check_every = 32;
-  constexpr double least_gain = 0.95, enough = 2;  // times the gap of the grid alone
+std::optional<std::vector<Labels>> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, const GridSamples& samples,
+                                                 const JointTask& task, Certificate& certificate,
+                                                 ReportDetails& details, const Context& context) {
+  const ReconstructParams& params = task.params;
   const Context quiet = silenced(context);
   const auto threshold = static_cast<float>(params.surface.threshold);
   const std::vector<SupportField> data = data_of_leaves(samples, solved.regions, solved.lattice, quiet);
-  std::vector<Level> levels = JointStart(solved, coarse, data, quiet).find();
-  coarse.clear();
-  LeafEnergies found;
-  const auto ends = [&](int iterations) {
-    context.progress().advance(0.6 * iterations / most, fmt::format("{} iterations", iterations));
-    if (iterations < least) return false;
-    const double before = found.energies.gap;
-    found = energies_of(solved, levels, data, threshold, quiet);
-    const bool stalls = iterations > least && found.energies.gap > least_gain * before;
-    return stalls || found.energies.relative_gap(certificate.lambda) <= enough * certificate.relative_gap_binary();
-  };
-  solve_leaves(solved.regions, levels, {params.solve.step_balance, most, check_every}, quiet, ends);
+  std::optional<JointSolution> found;
+  if (cuts(params.method))
+    found = cut_all_leaves(solved, data, task, certificate.lambda, context, details.solve.leaf_cut.emplace());
+  else
+    found = iterated_leaves(solved, coarse, data, params, certificate, context);
+  if (!found) {
+    details.solve.leaf_cut.reset();
+    warn_too_large(task);
+    return {};
+  }
   details.of_grid = certificate;
-  details.gap_at_borders = found.at_borders;
-  certificate.relaxed = certificate.binary = found.energies;
-  std::vector<Labels> sides = labels_of_leaves(solved.regions, levels, threshold, quiet);
+  details.gap_at_borders = found->energies.at_borders;
+  certificate.relaxed = certificate.binary = found->energies.energies;
+  std::vector<Labels> sides = labels_of_leaves(solved.regions, found->levels, threshold, quiet);
   solved.levels.clear();
   return sides;
 }
