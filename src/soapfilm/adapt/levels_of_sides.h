@@ -7,7 +7,7 @@
 #include "soapfilm/adapt/leaf_links.h"
 #include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
-#include "soapfilm/kernels/norm.h"
+#include "soapfilm/params.h"
 #include "soapfilm/solve/level.h"
 
 namespace soapfilm {
