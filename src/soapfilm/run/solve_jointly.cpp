@@ -143,13 +143,31 @@ GraphCutSetup cut_setup(const ReconstructParams& params) {
   return {params.method == Method::graph_cut_6 ? 6 : 26, params.graph_cut.weights, params.energy.norm};
 }
 
-/// The graph around the data of all levels, before its leaves are counted.
-uint64_t first_graph_bytes(const SolvedLevels& solved, const ReconstructParams& params) {
-  uint64_t bricks = 0;
-  for (const SolvedLevel& level : solved.levels) bricks += level.data ? level.data->grid.size() : 0;
+/// One cut: the levels are freed before its graph is made, whose leaves near data are not counted yet.
+bool plan_cut(const SolvedLevels& solved, const JointTask& task) {
+  uint64_t levels = 0, bricks = 0;
+  for (size_t l = 0; l < solved.levels.size(); ++l) {
+    levels += solved.levels[l].bytes();
+    if (!solved.levels[l].data) continue;
+    const BrickGrid& grid = solved.levels[l].data->grid;
+    for (size_t b = 0; b < grid.size(); ++b) bricks += solved.regions.has(static_cast<int>(l), grid.coord(b));
+  }
   const double each =
-      graph_vertices_per_brick * static_cast<double>(leaf_graph_bytes(cut_setup(params).neighbors)) + mixed_brick_bytes;
-  return static_cast<uint64_t>(each * static_cast<double>(bricks));
+      graph_vertices_per_brick * static_cast<double>(leaf_graph_bytes(cut_setup(task.params).neighbors)) +
+      mixed_brick_bytes;
+  const auto graph = static_cast<uint64_t>(each * static_cast<double>(bricks));
+  return task.memory.plan_kept(support_bytes(bricks), std::max(levels, graph));
+}
+
+/// The iteration on all leaves.
+bool plan_iteration(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory) {
+  uint64_t bytes = coarse.bytes();
+  uint64_t most = 0;  // one level is there twice, once with its followers: with twice as many bricks, measured
+  for (const SolvedLevel& level : solved.levels) {
+    bytes += level.bytes();
+    most = std::max(most, level_bytes(2 * level.level.grid.size()));
+  }
+  return memory.plan_kept(bytes, most);
 }
 
 void warn_too_large(const JointTask& task) {
@@ -204,14 +222,7 @@ std::optional<JointSolution> cut_all_leaves(SolvedLevels& solved, const std::vec
 }  // namespace
 
 bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, const JointTask& task) {
-  uint64_t bytes = coarse.bytes();
-  uint64_t most = 0;  // one level is there twice, once with its followers: with twice as many bricks, measured
-  for (const SolvedLevel& level : solved.levels) {
-    bytes += level.bytes();
-    most = std::max(most, level_bytes(2 * level.level.grid.size()));
-  }
-  if (cuts(task.params.method)) most = first_graph_bytes(solved, task.params);
-  if (task.memory.plan_kept(bytes, most)) return true;
+  if (cuts(task.params.method) ? plan_cut(solved, task) : plan_iteration(solved, coarse, task.memory)) return true;
   warn_too_large(task);
   return false;
 }
