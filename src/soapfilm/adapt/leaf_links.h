@@ -45,7 +45,7 @@ struct LeafSet {
 
 class LeafLinks {
  public:
-  /// Only of closed boxes. `lambda`: of the placed level, lattice.added. References to `regions` are kept. Throws
+  /// Only of closed boxes. `lambda`: of the placed level, lattice.added. `regions` must outlive them. Throws
   /// ParameterError as graph_links() does.
   LeafLinks(const Regions& regions, const Lattice& lattice, const GraphCutSetup& setup, double lambda,
             const Context& context);
@@ -64,8 +64,6 @@ class LeafLinks {
   size_t find(int level, Vec3i brick) const;
   BrickBits free(size_t brick) const;
   LeafSet none() const { return {std::vector<BrickBits>(bricks())}; }
-  /// An upper bound, where levels do not meet.
-  size_t most_links() const { return levels_[0].links.size(); }
   uint64_t bytes() const;
 
   /// visit(other, weight) for all links of a free leaf; `other` is null where it is a fixed vertex.
