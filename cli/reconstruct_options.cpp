@@ -174,7 +174,8 @@ void add_surface_options(CLI::App& app, ReconstructOptions& o) {
       ->option_text("V [auto]");
 
   surface(app.add_option("--refine", p.surface.refine,
-                         "Move the surface onto the samples, or leave the paper's: on or off\n(default: on for tv)"))
+                         "Move the surface onto the samples, or leave the paper's: on or off\n(default: on for tv, and "
+                         "with --adapt on)"))
       ->transform(named<bool>({{"on", true}, {"off", false}}))
       ->option_text("on|off");
   surface(app.add_option("--drop-components", p.surface.drop_components,

@@ -51,7 +51,7 @@ struct PlaceParams {
   /// and vertices at whole numbers of voxels. Needs `voxel`.
   std::optional<Vec3d> anchor;
   /// Voxels of 1/4, 1/2, 2, 4, ... of the chosen one where samples are dense or sparse, or of 1, 2, 4, ... of a given
-  /// one. Of `tv` with refinement only.
+  /// one. Of `tv` and graph cuts, with refinement.
   bool adapt = false;
 };
 
@@ -168,7 +168,7 @@ struct RelaxParams {
 /// From the relaxed indicator to the surface (section 4.4).
 struct SurfaceParams {
   double threshold = 0.5;               ///< mu, in (0, 1)
-  std::optional<bool> refine;           ///< move the level set onto the samples; if not given: only for Method::tv
+  std::optional<bool> refine;           ///< move the level set onto the samples; if not given: for tv, and with adapt
   std::optional<bool> drop_components;  ///< drop parts with few samples; if not given: where the surface is refined
   std::optional<double> isovalue;  ///< unrefined: of the smoothed indicator, (0, 1); if not given: its mean at samples
   RelaxParams relax;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -155,19 +156,52 @@ TEST_F(MethodCommand, WritesTheSurfaceOfEveryLevel) {
   EXPECT_FALSE(std::filesystem::exists(levels + "/level_" + std::to_string(count) + ".ply"));
 }
 
+/// A sphere whose samples are dense around one pole; elsewhere a share of them.
+void write_uneven(const std::string& cloud, int samples, double share) {
+  std::ofstream out(cloud);
+  Random random(1);
+  for (int n = 0; n < samples;) {
+    const Vec3d p = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
+    if (p.z < 0.8 && random.uniform() > share) continue;
+    out << p.x << ' ' << p.y << ' ' << p.z << ' ' << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    ++n;
+  }
+}
+
+/// With the norm of the cut's own energy the two energies of all levels are one.
+TEST_F(MethodCommand, GraphCutsHaveLevels) {
+  const std::string cloud = folder.file("uneven.xyz");
+  write_uneven(cloud, sanitized ? 2000 : 5000, 0.05);
+  for (const std::string method : {"graph-cut-6", "graph-cut-26"}) {
+    const json report = reported({cloud, "--method", method, "--norm", "anisotropic", "--adapt", "on"});
+    ASSERT_FALSE(report.is_null()) << method;
+    EXPECT_EQ(report["mesh"]["closed"], true) << method;
+    EXPECT_EQ(report["mesh"]["genus"], 0) << method;
+    EXPECT_GE(report["grid"]["leaves"].size(), 2u) << method;
+    const json &leaves = report["method"]["leaves"], &certificate = report["certificate"];
+    EXPECT_EQ(leaves["globally_optimal"], true) << method;
+    EXPECT_GT(leaves["links"], leaves["vertices"]) << method;
+    EXPECT_TRUE(certificate["dual"].is_null() && certificate["gap_where_levels_meet"].is_null()) << method;
+    const double energy = leaves["energy"], evaluated = certificate["primal_binary"];
+    EXPECT_LT(energy, 0) << method;
+    if (method == "graph-cut-6") {
+      EXPECT_NEAR(energy, evaluated, 1e-6 * std::abs(energy));
+    }
+  }
+}
+
+TEST_F(MethodCommand, MethodsOfTheWholeBoxHaveNoLevels) {
+  for (const std::string method : {"tv-sor", "poisson", "vrip"})
+    refused({scans, "--method", method, "--adapt", "on"},
+            "adapt: method " + method + " has no levels, as it works on the whole box");
+  refused({even, "--method", "graph-cut-6", "--adapt", "on", "--refine", "off"}, "adapt: needs refinement");
+}
+
 /// Where levels adapt a finer one has its surface where its places are, the same as the mesh's within its cells, and
 /// ends there without walls.
 TEST_F(MethodCommand, WritesTheSurfaceOfFinerLevels) {
   const std::string cloud = folder.file("uneven.xyz"), levels = folder.file("uneven");
-  std::ofstream out(cloud);
-  Random random(1);
-  for (int n = 0; n < 20000;) {
-    const Vec3d p = normalized(Vec3d{random.normal(), random.normal(), random.normal()});
-    if (p.z < 0.8 && random.uniform() > 0.03) continue;
-    out << p.x << ' ' << p.y << ' ' << p.z << ' ' << p.x << ' ' << p.y << ' ' << p.z << '\n';
-    ++n;
-  }
-  out.close();
+  write_uneven(cloud, 20000, 0.03);
   const json report = reported({cloud, "--adapt", "on", "--write-levels", levels});
   ASSERT_FALSE(report.is_null());
   const double voxel = report["grid"]["voxel"].get<double>();

@@ -79,8 +79,12 @@ void announce_energy(const Certificate& c, const ReconstructParams& params, Trac
     trace.info(fmt::format("energy {:.6g} (method {} proves no bound of it)", c.binary.primal, name_of(params.method)));
 }
 
-void announce_leaves(const Certificate& c, const ReportDetails& details, Trace& trace) {
+void announce_leaves(const Certificate& c, Method method, const ReportDetails& details, Trace& trace) {
   if (!details.of_grid) return;
+  if (!is_certified(method)) {
+    trace.info(fmt::format("all levels: energy {:.6g}", c.binary.primal));
+    return;
+  }
   trace.info(fmt::format("all levels: proved within {:.2g} % of the global optimum, {:.0f} % of that where levels meet",
                          100 * c.relative_gap_binary(), 100 * details.gap_at_borders / c.binary.gap));
 }

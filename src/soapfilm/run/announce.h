@@ -26,7 +26,7 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
 /// The energy of the result: proved for methods with a dual, else only computed by the common energy evaluator.
 void announce_energy(const Certificate& certificate, const ReconstructParams& params, Trace& trace);
 /// The same of several levels, where there are such.
-void announce_leaves(const Certificate& certificate, const ReportDetails& details, Trace& trace);
+void announce_leaves(const Certificate& certificate, Method method, const ReportDetails& details, Trace& trace);
 
 /// What drop_components() dropped, if anything.
 void announce_components(const ComponentReport& report, const ReconstructParams& params, Trace& trace);

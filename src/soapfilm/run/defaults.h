@@ -1,13 +1,16 @@
 // Defaults that depend on other parameters.
 #pragma once
 
+#include "soapfilm/core/method.h"
 #include "soapfilm/params.h"
 
 namespace soapfilm {
 
-/// Is the surface moved onto the samples (refine/refine.h), or is it the paper's?
+/// Is the surface moved onto the samples (refine/refine.h), or is it the paper's? Where levels adapt, it must be: their
+/// surfaces are joined by their distances.
 inline bool refines(const ReconstructParams& params) {
-  return params.surface.refine.value_or(params.method == Method::tv && !params.surface.isovalue);
+  const bool as_a_rule = params.method == Method::tv || (params.place.adapt && adapts(params.method));
+  return params.surface.refine.value_or(as_a_rule && !params.surface.isovalue);
 }
 
 /// Are parts supported by few samples dropped (components/components.h)? The paper's surface keeps them.

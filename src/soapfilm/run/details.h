@@ -23,6 +23,7 @@ struct SolveReport {
   std::vector<SorLevelReport> sor;  ///< Method::tv_sor; coarsest first
   std::optional<PoissonReport> poisson;
   std::optional<GraphCutReport> graph_cut;
+  std::optional<GraphCutReport> leaf_cut;  ///< of the leaves of all levels, where levels adapt and there are several
 };
 
 struct ReportDetails {

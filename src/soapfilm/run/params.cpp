@@ -294,9 +294,13 @@ void validate(const ReconstructParams& params) {
   if (place.anchor && !place.voxel)
     throw ParameterError("anchor: needs voxel, as every other one moves with the samples");
   if (place.anchor && !is_finite(*place.anchor)) throw ParameterError("anchor: must be finite");
-  if (place.adapt && (params.method != Method::tv || !refines(params)))
+  if (place.adapt && !adapts(params.method))
     throw ParameterError(
-        "adapt: needs method tv and refinement, as the levels' surfaces are joined by their distances");
+        fmt::format("adapt: method {} has no levels, as it works on the whole box; tv, graph-cut-6 "
+                    "and graph-cut-26 have",
+                    name_of(params.method)));
+  if (place.adapt && !refines(params))
+    throw ParameterError("adapt: needs refinement, as the levels' surfaces are joined by their distances");
   require(place.levels >= 0 && place.levels <= 12, "levels", place.levels, ">= 0 and <= 12");
   // Coarse levels multiply lambda by powers of four, in float.
   const auto weight = [](double v) { return v > 0 && v <= 1e24; };

@@ -138,20 +138,22 @@ Reconstruction run(const PointCloud& cloud, PointCloud* owned, const Reconstruct
                                 task, memory, trace, context);
     });
     details->solve.levels.insert(details->solve.levels.end(), solved.reports.begin(), solved.reports.end());
-    if (solved.regions.coarsest() > 0 && plan_joint_solve(solved, coarse, memory, trace))
-      adapted = trace.stage("join levels", [&] {
+    const JointTask jointly{params, memory, trace};
+    if (solved.regions.coarsest() > 0 && plan_joint_solve(solved, coarse, jointly))
+      adapted = trace.stage("join levels", [&]() -> std::optional<AdaptedSurface> {
         const LevelSamples& kept = solved.kept ? *solved.kept : own;
-        std::vector<Labels> sides =
-            solve_jointly(solved, std::move(coarse), kept.samples, params, report.certificate, *details, context);
-        AdaptedSurface others = find_other_surfaces(own, solved, sides, task, context);
-        labels = std::move(sides[static_cast<size_t>(solved.lattice.added)]);
+        std::optional<std::vector<Labels>> sides =
+            solve_jointly(solved, std::move(coarse), kept.samples, jointly, report.certificate, *details, context);
+        if (!sides) return {};
+        AdaptedSurface others = find_other_surfaces(own, solved, *sides, task, context);
+        labels = std::move((*sides)[static_cast<size_t>(solved.lattice.added)]);
         if (labels.box.open) labels = closed_at_border(labels, context);
         return others;
       });
     if (!adapted) memory.plan_kept(0);
     samples = std::move(own.samples);
     views = std::move(own.views);
-    announce_leaves(report.certificate, *details, trace);
+    announce_leaves(report.certificate, params.method, *details, trace);
   }
 
   // The level set moves onto the samples; components and genus stay, except for parts that it shrinks to nothing. From

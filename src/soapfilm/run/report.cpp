@@ -106,9 +106,17 @@ ordered_json certificate_json(const ReconstructReport& report) {
   ordered_json json = certificate_json(report.certificate, report.params.method);
   const ReportDetails& details = *report.details;
   if (!details.of_grid) return json;
-  json["gap_where_levels_meet"] = details.gap_at_borders;
+  json["gap_where_levels_meet"] =
+      is_certified(report.params.method) ? ordered_json(details.gap_at_borders) : ordered_json();
   json["of_grid"] = certificate_json(*details.of_grid, report.params.method);
   return json;
+}
+
+ordered_json cut_json(const GraphCutReport& g) {
+  return {{"vertices", g.vertices},       {"links", g.links},
+          {"growths", g.growths},         {"flow", g.flow},
+          {"energy", g.energy},           {"globally_optimal", g.globally_optimal},
+          {"graph_bytes", g.graph_bytes}, {"seconds", g.seconds}};
 }
 
 /// The report of the chosen method alone.
@@ -130,15 +138,8 @@ ordered_json method_json(const ReconstructReport& report) {
                  {"energy", p->energy},
                  {"unknowns", p->unknowns},
                  {"bytes", p->bytes}});
-  if (const auto& g = report.details->solve.graph_cut)
-    json.update({{"vertices", g->vertices},
-                 {"links", g->links},
-                 {"growths", g->growths},
-                 {"flow", g->flow},
-                 {"energy", g->energy},
-                 {"globally_optimal", g->globally_optimal},
-                 {"graph_bytes", g->graph_bytes},
-                 {"seconds", g->seconds}});
+  if (const auto& g = report.details->solve.graph_cut) json.update(cut_json(*g));
+  if (const auto& g = report.details->solve.leaf_cut) json["leaves"] = cut_json(*g);
   if (const auto& v = report.details->vrip)
     json.update({{"scans", v->scans},
                  {"triangles", v->triangles},

@@ -18,13 +18,22 @@
 
 namespace soapfilm {
 
+/// What solving levels jointly has from the run.
+struct JointTask {
+  const ReconstructParams& params;
+  MemoryBudget& memory;
+  Trace& trace;
+};
+
 /// Plans the memory of solving levels jointly. Returns false, with a warning, where it does not fit.
-bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, MemoryBudget& memory, Trace& trace);
+bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, const JointTask& task);
 
 /// The sides of each level, the finest first (adapt/leaf_labels.h), for the data of `samples`, each on the level of its
-/// place. The certificate, of all levels, takes the place of the grid's, which goes to the details. Frees the levels.
-std::vector<Labels> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, const GridSamples& samples,
-                                  const ReconstructParams& params, Certificate& certificate, ReportDetails& details,
-                                  const Context& context);
+/// place: by tv's iteration, or for graph cuts by one cut of all leaves. The certificate, of all levels, takes the
+/// place of the grid's, which goes to the details. Frees the levels. None, with a warning, where a graph does not fit
+/// into the memory.
+std::optional<std::vector<Labels>> solve_jointly(SolvedLevels& solved, CoarseLevels coarse, const GridSamples& samples,
+                                                 const JointTask& task, Certificate& certificate,
+                                                 ReportDetails& details, const Context& context);
 
 }  // namespace soapfilm
