@@ -146,7 +146,7 @@ TEST(FishCompletion, OffersWhatBashDoes) {
     for (const std::string& one : lines_of(result.out)) words.insert(one.substr(0, one.find('\t')));
     return words;
   };
-  EXPECT_EQ(offers("soapfilm re"), (Words{"reconstruct", "render"}));
+  EXPECT_EQ(offers("soapfilm re"), (Words{"reconstruct", "remesh", "render"}));
   EXPECT_EQ(offers("soapfilm reconstruct a.ply --method graph"), (Words{"graph-cut-26", "graph-cut-6"}));
   EXPECT_EQ(offers("soapfilm scan tor"), Words{"torus"});
   EXPECT_EQ(offers("soapfilm reconstruct a"), Words{"a.ply"});
