@@ -41,9 +41,9 @@ class Differences:
         words = [*before, program, "reconstruct", *self.inputs, "-o", mesh, "--report", report, *words]
         run = subprocess.run(list(map(str, words)), capture_output=True, text=True)
         self.on_disk += "on disk in" in run.stderr
-        needed = re.search(r"needs? about ([\d.]+) MiB, --memory is", run.stderr)
+        needed = re.search(r"needs? about ([\d.]+) (MiB|GiB), --memory is", run.stderr)
         if needed and run.returncode == 2 and not mesh.exists():
-            self.least = float(needed[1]) * MIB
+            self.least = float(needed[1]) * (MIB if needed[2] == "MiB" else 1024 * MIB)
             return None
         if run.returncode:
             sys.exit(f"{' '.join(map(str, words))}\nexit code {run.returncode}: {run.stderr}")

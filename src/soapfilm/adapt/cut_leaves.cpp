@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <memory>
 #include <utility>
 
 #include "soapfilm/adapt/leaf_links.h"
@@ -29,7 +28,7 @@ class LeafGraph {
         before_[b][z] = static_cast<uint32_t>(count);
         count += static_cast<uint64_t>(count_bits(in.bits[b].layer[z]));
       }
-    require_indices(count, most_indices, "leaves of a graph cut");
+    require_indices(count, most_indices - 2, "leaves of a graph cut");  // and two terminals
     vertices_ = static_cast<uint32_t>(count);
   }
 
@@ -162,13 +161,14 @@ bool grow(const LeafLinks& links, const LeafVotes& votes, LeafSet& graph, int& r
   for (;; reach = 2 * std::min(reach, 1 << 29)) {
     context.check();
     const LeafFlood inside = flooded(links, graph, votes.inside, reach);
-    LeafFlood between = flooded(links, graph, votes.outside, reach);
-    for (size_t b = 0; b < links.bricks(); ++b) between.reached.bits[b] &= inside.reached.bits[b];
-    if (!between.reached.any()) {
-      if (inside.all && between.all) return false;
+    LeafFlood outside = flooded(links, graph, votes.outside, reach);
+    LeafSet between = std::move(outside.reached);
+    for (size_t b = 0; b < links.bricks(); ++b) between.bits[b] &= inside.reached.bits[b];
+    if (!between.any()) {
+      if (inside.all && outside.all) return false;
       continue;
     }
-    for (size_t b = 0; b < links.bricks(); ++b) graph.bits[b] |= between.reached.bits[b];
+    for (size_t b = 0; b < links.bricks(); ++b) graph.bits[b] |= between.bits[b];
     return true;
   }
 }
@@ -183,7 +183,7 @@ uint64_t bytes_beside(const LeafLinks& links, const LeafSet& graph) {
 /// The sides of all leaves; none if a graph does not fit.
 std::optional<LeafSet> sides_of_leaves(const LeafLinks& links, std::span<const SupportField> data,
                                        const LeafCutSetup& how, const Context& context, GraphCutReport& report) {
-  constexpr int first_reach = 32;  // four times that on one grid: the same surface after fewer cuts
+  constexpr int first_reach = 32;  // four times the links of solve_graph_cut(): the same surface after fewer cuts
   LeafSet in_graph = around_data(links, data);
   for (int reach = first_reach;; reach = 2 * std::min(reach, 1 << 29)) {
     context.check();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -11,6 +12,7 @@
 #include "soapfilm/context.h"
 #include "soapfilm/field/divergence.h"
 #include "soapfilm/grid/lattice.h"
+#include "soapfilm/grid/layout.h"
 #include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/level.h"
 #include "soapfilm/solve/network.h"
@@ -34,7 +36,7 @@ inline constexpr uint64_t leaf_brick_bytes = 8 * brick_area, mixed_brick_bytes =
 /// most of them; on bricks near the surface and those of the data. The graph holds the leaves with f != 0 and those
 /// linked to them, and grows where the labels do not say which side the leaves around it are on, as on one grid
 /// (solve/graph_cut.h). Only of closed boxes. `data`: as of data_of_leaves(), must outlive the levels. None if a graph
-/// does not fit. One thread. Throws ParameterError as solve_graph_cut() does.
+/// does not fit. The cut uses one thread. Throws ParameterError as solve_graph_cut() does.
 std::optional<std::vector<Level>> cut_leaves(const Regions& regions, const Lattice& lattice,
                                              std::span<const SupportField> data, const LeafCutSetup& how,
                                              const Context& context, GraphCutReport& report);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "soapfilm/core/indices.h"
 #include "soapfilm/solve/domain.h"

@@ -13,8 +13,8 @@ namespace soapfilm {
 /// have u = 0.
 struct LeafVotes {
   LeafSet inside;  ///< leaves of the graph with u = 1 linked to a part whose boundary disagrees
-  LeafSet
-      outside;  ///< the same with u = 0; of a part that has u = 0 from fixed vertices alone, its leaves beside these
+  /// The same with u = 0. Of a part that has u = 0 from fixed vertices alone: its leaves beside these.
+  LeafSet outside;
   bool agree = true;
 };
 

@@ -75,8 +75,8 @@ struct RoughParams {
 /// The data term of a level, called when it is read.
 using LevelData = std::function<const SupportField&(int level)>;
 
-/// Solves the levels down to one above the finest, for decisions made from it, each rank by itself. Of the finest
-/// level's data, `support`, it needs the bricks.
+/// Solves the levels down to one above the finest, for decisions made from it, each rank by itself. data(0) must
+/// be `support`, whose values are read where level 0 is solved; else its bricks alone.
 PyramidSolution solve_coarse_levels(const Lattice& lattice, const SupportField& support, const LevelData& data,
                                     double lambda, const RoughParams& params, const Context& context,
                                     const PyramidObserver& observe = {});

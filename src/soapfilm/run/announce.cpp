@@ -13,6 +13,17 @@
 
 namespace soapfilm {
 
+namespace {
+
+void warn_unproved(const GraphCutReport& cut, Method method, Trace& trace) {
+  if (!cut.globally_optimal)
+    trace.warn(fmt::format(
+        "{}: labels at the band's boundary disagree, the cut is not proved to be the global minimum of its energy",
+        name_of(method)));
+}
+
+}  // namespace
+
 void announce_grid(const Grid& grid, const MemoryBudget& memory, Trace& trace) {
   const Vec3i n = grid.lattice.to_world_axes(grid.lattice.size);
   const std::string by_noise =
@@ -66,10 +77,7 @@ void warn_unconverged(const SolveReport& report, double lambda, const Reconstruc
   if (report.poisson && !report.poisson->converged)
     trace.warn(fmt::format("poisson: not converged after {} iterations, relative residual {:.2g}",
                            report.poisson->iterations, report.poisson->residual));
-  if (report.graph_cut && !report.graph_cut->globally_optimal)
-    trace.warn(fmt::format(
-        "{}: labels at the band's boundary disagree, the cut is not proved to be the global minimum of its energy",
-        name_of(params.method)));
+  if (report.graph_cut) warn_unproved(*report.graph_cut, params.method, trace);
 }
 
 void announce_energy(const Certificate& c, const ReconstructParams& params, Trace& trace) {
@@ -83,6 +91,7 @@ void announce_leaves(const Certificate& c, Method method, const ReportDetails& d
   if (!details.of_grid) return;
   if (!is_certified(method)) {
     trace.info(fmt::format("all levels: energy {:.6g}", c.binary.primal));
+    if (details.solve.leaf_cut) warn_unproved(*details.solve.leaf_cut, method, trace);
     return;
   }
   trace.info(fmt::format("all levels: proved within {:.2g} % of the global optimum, {:.0f} % of that where levels meet",

@@ -59,8 +59,7 @@ double two_digits_above(double value) {
 /// Arrays over the whole box: of methods without a band, and the masks of graph cuts.
 uint64_t box_bytes(Method method, const Lattice& lattice) {
   const Vec3i bricks = lattice.box(0).bricks;
-  const bool cuts = method == Method::graph_cut_6 || method == Method::graph_cut_26;
-  const double masks = cuts ? graph_masks_per_brick * bricks.x * bricks.y * bricks.z : 0;
+  const double masks = is_graph_cut(method) ? graph_masks_per_brick * bricks.x * bricks.y * bricks.z : 0;
   constexpr double most = 0x1p60;  // fits in uint64_t; no machine has it
   return static_cast<uint64_t>(std::min(most, masks + dense_bytes_per_vertex(method) * lattice.vertices()));
 }

@@ -27,8 +27,7 @@ constexpr uint64_t small_arrays = uint64_t{12} << 20;
 /// Relaxing has the smoothed field beside the mesh. The check's trees belong to another library.
 ResidentShares shares_of(const ReconstructParams& params, bool moves_vectors) {
   if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, params.checked ? 0.6 : 0.05, 0.05};
-  const bool cuts = params.method == Method::graph_cut_6 || params.method == Method::graph_cut_26;
-  const double solve = cuts ? 1 : params.method == Method::poisson ? 0.12 : 0.05;
+  const double solve = is_graph_cut(params.method) ? 1 : params.method == Method::poisson ? 0.12 : 0.05;
   const double mesh = params.checked || simplifies(params.simplify) ? 1 : 0.78;
   return {1, 1, solve, 0.15, mesh, 0.15};
 }

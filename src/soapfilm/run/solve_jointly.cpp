@@ -11,6 +11,7 @@
 #include "soapfilm/adapt/leaf_labels.h"
 #include "soapfilm/adapt/solve_leaves.h"
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/core/method.h"
 #include "soapfilm/run/joint_start.h"
 
 namespace soapfilm {
@@ -27,14 +28,20 @@ LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& l
   return evaluate_leaves(solved.regions, leaves, solved.lattice.added, context);
 }
 
-bool cuts(Method method) { return method == Method::graph_cut_6 || method == Method::graph_cut_26; }
-
 GraphCutSetup cut_setup(const ReconstructParams& params) {
   return {params.method == Method::graph_cut_6 ? 6 : 26, params.graph_cut.weights, params.energy.norm};
 }
 
+/// The bricks that have leaves: those of the coarsest level in the whole box, and eight for each one with finer leaves.
+uint64_t count_leaf_bricks(const SolvedLevels& solved) {
+  const int coarsest = solved.regions.coarsest();
+  auto bricks = static_cast<uint64_t>(bricks_with_free(solved.lattice.box(coarsest)).count());
+  for (int l = 1; l <= coarsest; ++l) bricks += 7 * solved.regions.finer(l).count();
+  return bricks;
+}
+
 /// One cut: the levels are freed before its graph is made, whose leaves near data are not counted yet.
-bool plan_cut(const SolvedLevels& solved, const JointTask& task) {
+bool plan_leaf_cut(const SolvedLevels& solved, const JointTask& task) {
   uint64_t levels = 0, bricks = 0;
   for (size_t l = 0; l < solved.levels.size(); ++l) {
     levels += solved.levels[l].bytes();
@@ -46,7 +53,9 @@ bool plan_cut(const SolvedLevels& solved, const JointTask& task) {
       graph_vertices_per_brick * static_cast<double>(leaf_graph_bytes(cut_setup(task.params).neighbors)) +
       mixed_brick_bytes;
   const auto graph = static_cast<uint64_t>(each * static_cast<double>(bricks));
-  return task.memory.plan_kept(support_bytes(bricks), std::max(levels, graph));
+  constexpr uint64_t grid_brick = 130;  // in a table of bricks
+  const uint64_t beside = (leaf_brick_bytes + grid_brick) * count_leaf_bricks(solved);
+  return task.memory.plan_kept(support_bytes(bricks), std::max(levels, graph + beside));
 }
 
 /// The iteration on all leaves.
@@ -113,7 +122,8 @@ std::optional<JointSolution> cut_all_leaves(SolvedLevels& solved, const std::vec
 }  // namespace
 
 bool plan_joint_solve(const SolvedLevels& solved, const CoarseLevels& coarse, const JointTask& task) {
-  if (cuts(task.params.method) ? plan_cut(solved, task) : plan_iteration(solved, coarse, task.memory)) return true;
+  if (is_graph_cut(task.params.method) ? plan_leaf_cut(solved, task) : plan_iteration(solved, coarse, task.memory))
+    return true;
   warn_too_large(task);
   return false;
 }
@@ -126,7 +136,7 @@ std::optional<std::vector<Labels>> solve_jointly(SolvedLevels& solved, CoarseLev
   const auto threshold = static_cast<float>(params.surface.threshold);
   const std::vector<SupportField> data = data_of_leaves(samples, solved.regions, solved.lattice, quiet);
   std::optional<JointSolution> found;
-  if (cuts(params.method))
+  if (is_graph_cut(params.method))
     found = cut_all_leaves(solved, data, task, certificate.lambda, context, details.solve.leaf_cut.emplace());
   else
     found = iterated_leaves(solved, coarse, data, params, certificate, context);

@@ -8,7 +8,6 @@
 #include <boost/graph/two_bit_color_map.hpp>
 #include <limits>
 
-#include "soapfilm/core/memory.h"
 #include "soapfilm/error.h"
 
 namespace soapfilm {
