@@ -31,6 +31,7 @@ class Differences:
         self.inputs = [folder / name for name in inputs]
         self.first, self.found = None, []
         self.least = self.peak = 0
+        self.was_on_disk = False
         self.runs = self.refused = self.on_disk = 0
 
     def result(self, before, *words):
@@ -40,7 +41,7 @@ class Differences:
         program = self.programs / ("soapfilm-mpi" if before else "soapfilm")
         words = [*before, program, "reconstruct", *self.inputs, "-o", mesh, "--report", report, *words]
         run = subprocess.run(list(map(str, words)), capture_output=True, text=True)
-        self.on_disk += "on disk in" in run.stderr
+        self.was_on_disk = "on disk in" in run.stderr
         needed = re.search(r"needs? about ([\d.]+) (MiB|GiB), --memory is", run.stderr)
         if needed and run.returncode == 2 and not mesh.exists():
             self.least = float(needed[1]) * (MIB if needed[2] == "MiB" else 1024 * MIB)
@@ -54,6 +55,7 @@ class Differences:
     def compare(self, name, before, *words):
         found = self.result(before, *words)
         self.runs += 1
+        self.on_disk += found is not None and self.was_on_disk
         if found is None:
             self.refused += 1
         elif self.first is None:
