@@ -4,7 +4,6 @@ Scenes of bench/scenes, reconstructed in memory on one thread, on two, with arra
 this plans and in little more than the least that is taken, and by 2, 3, 4 and 7 processes (as root), on one thread or
 two. Meshes must have the same bytes, reports the same values but for times, memory and ranks. PAGE gets a line."""
 import argparse
-import hashlib
 import json
 import re
 import subprocess
@@ -12,8 +11,9 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent / "scenes"))
+sys.path += [str(HERE), str(HERE.parent / "scenes")]
 
+import scratch
 from catalog import SCENES
 from kit import Kit
 
@@ -50,7 +50,7 @@ class Differences:
             sys.exit(f"{' '.join(map(str, words))}\nexit code {run.returncode}: {run.stderr}")
         values = json.loads(report.read_text())
         self.peak = values["memory"]["planned_bytes"]
-        return hashlib.sha256(mesh.read_bytes()).hexdigest(), {k: v for k, v in values.items() if k not in OF_THE_RUN}
+        return scratch.digest(mesh), {k: v for k, v in values.items() if k not in OF_THE_RUN}
 
     def compare(self, name, before, *words):
         found = self.result(before, *words)
@@ -67,9 +67,9 @@ class Differences:
         self.compare("memory", [], "--threads", 1)
         whole = self.peak
         self.compare("2 threads", [], "--threads", 2)
-        scratch = self.folder / "scratch"
-        scratch.mkdir(exist_ok=True)
-        on_disk = lambda bytes: ["--memory", f"{bytes:.0f}", "--scratch", scratch]
+        folder = self.folder / "scratch"
+        folder.mkdir(exist_ok=True)
+        on_disk = lambda bytes: ["--memory", f"{bytes:.0f}", "--scratch", folder]
         self.compare("half", [], *on_disk(whole / 2), "--threads", 1)
         self.least = MIB
         while self.result([], *on_disk(self.least)) is None:  # it says what it needs, once for the samples
