@@ -158,7 +158,7 @@ LeafFlood flooded(const LeafLinks& links, const LeafSet& graph, const LeafSet& s
 /// Adds to the graph the leaves near both labels of a boundary that disagrees: the minimal surface passes there.
 /// Increases `reach` until new leaves are found. Returns false where there are none.
 bool grow(const LeafLinks& links, const LeafVotes& votes, LeafSet& graph, int& reach, const Context& context) {
-  for (;; reach = 2 * std::min(reach, 1 << 29)) {
+  for (;; reach = twice_the_reach(reach)) {
     context.check();
     const LeafFlood inside = flooded(links, graph, votes.inside, reach);
     LeafFlood outside = flooded(links, graph, votes.outside, reach);
@@ -185,7 +185,7 @@ std::optional<LeafSet> sides_of_leaves(const LeafLinks& links, std::span<const S
                                        const LeafCutSetup& how, const Context& context, GraphCutReport& report) {
   constexpr int first_reach = 32;  // four times the links of solve_graph_cut(): the same surface after fewer cuts
   LeafSet in_graph = around_data(links, data);
-  for (int reach = first_reach;; reach = 2 * std::min(reach, 1 << 29)) {
+  for (int reach = first_reach;; reach = twice_the_reach(reach)) {
     context.check();
     if (how.fits && !how.fits(in_graph.count(), bytes_beside(links, in_graph))) return {};
     const LeafGraph graph(links, in_graph, data);

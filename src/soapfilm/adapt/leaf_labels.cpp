@@ -10,15 +10,6 @@ namespace soapfilm {
 
 namespace {
 
-/// Of a brick whose children have these: each vertex as most of those that it holds.
-BrickBits most_of_children(const Labels& fine, Vec3i parent) {
-  BrickBits bits;
-  for_each_with_children(fine, parent, [&](Vec3i v, int inside) {
-    if (inside >= 4) bits.set(brick_offset(v.x, v.y, v.z));
-  });
-  return bits;
-}
-
 /// Where a level or finer ones have the places.
 Labels in_places(const Regions& regions, int number, const Level& level, const Labels* finer, float threshold,
                  const Context& context) {

@@ -22,12 +22,8 @@ class SidesOfLevel {
       const size_t b = links_.find(level_, brick);
       return b == links_.bricks() ? BrickBits{} : inside_.bits[b];
     }
-    BrickBits bits;
-    if (is_between(brick)) return finer_->of(child_of(brick, 0)).any() ? BrickBits::full() : bits;
-    for_each_with_children(*finer_, brick, [&](Vec3i v, int n) {
-      if (n >= 4) bits.set(brick_offset(v.x, v.y, v.z));
-    });
-    return bits;
+    if (is_between(brick)) return finer_->of(child_of(brick, 0)).any() ? BrickBits::full() : BrickBits{};
+    return most_of_children(*finer_, brick);
   }
 
  private:

@@ -21,6 +21,14 @@ Labels on_bricks(const BrickMask& bricks, const Labels& fine, const Labels& coar
 
 }  // namespace
 
+BrickBits most_of_children(const Labels& fine, Vec3i parent) {
+  BrickBits bits;
+  for_each_with_children(fine, parent, [&](Vec3i v, int inside) {
+    if (inside >= 4) bits.set(brick_offset(v.x, v.y, v.z));
+  });
+  return bits;
+}
+
 BrickBits bits_of_child(const BrickBits& parent, Vec3i brick) {
   const Vec3i base = octant_base(octant_in_parent(brick));
   BrickBits bits;

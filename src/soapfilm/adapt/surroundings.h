@@ -27,6 +27,9 @@ void for_each_with_children(const Labels& fine, Vec3i brick, Visit&& visit) {
   }
 }
 
+/// Of a brick whose children have these: each vertex as most of those that it holds.
+BrickBits most_of_children(const Labels& fine, Vec3i parent);
+
 /// The labels of a level in some places, on all bricks near its surface, and on the bricks around these beyond the
 /// places those of the next coarser level: so the surface goes on where the places end.
 Labels with_surroundings(const Labels& fine, const Labels& coarse, const Context& context);

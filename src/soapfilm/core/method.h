@@ -11,6 +11,9 @@ inline bool is_certified(Method method) { return method == Method::tv || method 
 /// Whether it is a minimum cut of a graph.
 inline bool is_graph_cut(Method method) { return method == Method::graph_cut_6 || method == Method::graph_cut_26; }
 
+/// Of a graph cut: how many neighbors a vertex is linked to.
+inline int neighbors_of_cut(Method method) { return method == Method::graph_cut_6 ? 6 : 26; }
+
 /// Whether places may have voxels of several sizes: the others work on the whole box.
 inline bool adapts(Method method) { return method == Method::tv || is_graph_cut(method); }
 

@@ -298,7 +298,7 @@ PyramidObserver MemoryBudget::watch(PyramidObserver user, uint64_t data_bricks) 
 
 void MemoryBudget::plan_cut(uint64_t vertices, uint64_t data_bricks) {
   // Samples too sparse for the grid leave ways through the band, which then grows far beyond them.
-  const int neighbors = params_.method == Method::graph_cut_6 ? 6 : 26;
+  const int neighbors = neighbors_of_cut(params_.method);
   const uint64_t graph = graph_bytes_per_vertex(neighbors, true) * vertices;
   plan_.solve.bytes = std::max(plan_.solve.bytes, plan_.tables_bytes + support_bytes(data_bricks) + graph);
   check();

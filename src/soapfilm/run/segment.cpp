@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
+#include "soapfilm/core/method.h"
 #include "soapfilm/error.h"
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/pyramid/sor_pyramid.h"
 #include "soapfilm/solve/dense_level.h"
-#include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/poisson.h"
 #include "soapfilm/surface/dense_surface.h"
 
@@ -38,11 +38,10 @@ Segmentation by_sor(const Task& t) {
   return found;
 }
 
-Segmentation by_graph_cut(const Task& t, int neighbors, const PyramidObserver& observe) {
-  const GraphCutSetup setup{neighbors, t.params.graph_cut.weights, t.params.energy.norm};
+Segmentation by_graph_cut(const Task& t, const PyramidObserver& observe) {
   Segmentation found;
-  found.level =
-      solve_graph_cut(t.lattice, t.field, t.lambda, setup, t.context, found.report.graph_cut.emplace(), observe.cuts);
+  found.level = solve_graph_cut(t.lattice, t.field, t.lambda, graph_cut_setup(t.params), t.context,
+                                found.report.graph_cut.emplace(), observe.cuts);
   return found;
 }
 
@@ -65,6 +64,10 @@ Segmentation by_poisson(const Task& t, const GridSamples& samples) {
 
 }  // namespace
 
+GraphCutSetup graph_cut_setup(const ReconstructParams& params) {
+  return {neighbors_of_cut(params.method), params.graph_cut.weights, params.energy.norm};
+}
+
 Segmentation segment(const Lattice& lattice, const SupportField& field, const GridSamples& samples, double lambda,
                      const ReconstructParams& params, const PyramidObserver& observe, const Context& context) {
   const Task task{lattice, field, lambda, params, context};
@@ -76,9 +79,8 @@ Segmentation segment(const Lattice& lattice, const SupportField& field, const Gr
     case Method::poisson:
       return by_poisson(task, samples);
     case Method::graph_cut_6:
-      return by_graph_cut(task, 6, observe);
     case Method::graph_cut_26:
-      return by_graph_cut(task, 26, observe);
+      return by_graph_cut(task, observe);
     case Method::vrip:
       break;
   }

@@ -10,6 +10,7 @@
 #include "soapfilm/pyramid/coarse_to_fine.h"
 #include "soapfilm/report.h"
 #include "soapfilm/run/details.h"
+#include "soapfilm/solve/graph_cut.h"
 #include "soapfilm/solve/level.h"
 #include "soapfilm/surface/surface_field.h"
 
@@ -21,6 +22,9 @@ struct Segmentation {
   std::optional<IndicatorField> surface;  ///< of a method that finds a smooth field itself (poisson): its level set 1/2
   SolveReport report;
 };
+
+/// Of a graph cut, by the parameters.
+GraphCutSetup graph_cut_setup(const ReconstructParams& params);
 
 /// Runs params.method on the data term. Not for Method::vrip, which works on the scans themselves (fuse/vrip.h).
 Segmentation segment(const Lattice& lattice, const SupportField& field, const GridSamples& samples, double lambda,

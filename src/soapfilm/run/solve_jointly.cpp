@@ -13,6 +13,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/method.h"
 #include "soapfilm/run/joint_start.h"
+#include "soapfilm/run/segment.h"
 
 namespace soapfilm {
 
@@ -26,10 +27,6 @@ LeafEnergies energies_of(const SolvedLevels& solved, const std::vector<Level>& l
   std::vector<LeafLevel> leaves;
   for (size_t l = 0; l < levels.size(); ++l) leaves.push_back({&sides[l], &data[l], &levels[l]});
   return evaluate_leaves(solved.regions, leaves, solved.lattice.added, context);
-}
-
-GraphCutSetup cut_setup(const ReconstructParams& params) {
-  return {params.method == Method::graph_cut_6 ? 6 : 26, params.graph_cut.weights, params.energy.norm};
 }
 
 /// The bricks that have leaves: those of the coarsest level in the whole box, and eight for each one with finer leaves.
@@ -50,7 +47,7 @@ bool plan_leaf_cut(const SolvedLevels& solved, const JointTask& task) {
     for (size_t b = 0; b < grid.size(); ++b) bricks += solved.regions.has(static_cast<int>(l), grid.coord(b));
   }
   const double each =
-      graph_vertices_per_brick * static_cast<double>(leaf_graph_bytes(cut_setup(task.params).neighbors)) +
+      graph_vertices_per_brick * static_cast<double>(leaf_graph_bytes(neighbors_of_cut(task.params.method))) +
       mixed_brick_bytes;
   const auto graph = static_cast<uint64_t>(each * static_cast<double>(bricks));
   constexpr uint64_t grid_brick = 130;  // in a table of bricks
@@ -108,7 +105,7 @@ std::optional<JointSolution> cut_all_leaves(SolvedLevels& solved, const std::vec
   solved.levels.clear();
   uint64_t data_bytes = 0;
   for (const SupportField& field : data) data_bytes += support_bytes(field.grid.size());
-  LeafCutSetup how{cut_setup(task.params), lambda, {}};
+  LeafCutSetup how{graph_cut_setup(task.params), lambda, {}};
   how.fits = [&](size_t leaves, uint64_t beside) {
     return task.memory.plan_kept(data_bytes, leaf_graph_bytes(how.graph.neighbors) * leaves + beside);
   };

@@ -105,15 +105,12 @@ VertexMask beside_fixed(const VertexMask& vertices, const LevelBox& box, const s
   return beside;
 }
 
-/// Twice as many links, capped before it overflows: no path is that long.
-int twice(int reach) { return 2 * std::min(reach, 1 << 29); }
-
 /// Adds to the band the vertices near both labels of a boundary that disagrees: the minimal surface passes there.
 /// Increases `reach` until new vertices are found, at last to all vertices. Where only fixed
 /// vertices join the two, whose u is 0, those beside them with u = 1 join the band.
 void grow(VertexMask& band, const RimVotes& votes, const LevelBox& box, const std::vector<Link>& links, int& reach,
           const Context& context) {
-  for (;; reach = twice(reach)) {
+  for (;; reach = twice_the_reach(reach)) {
     context.check();
     const Flood inside = flooded(votes.inside, band, box, links, reach);
     const Flood outside = flooded(votes.outside, band, box, links, reach);
@@ -193,7 +190,7 @@ Level solve_graph_cut(const Lattice& lattice, const SupportField& support, doubl
 
   report = {};
   VertexMask inside;
-  for (int reach = first_growth;; reach = twice(reach)) {
+  for (int reach = first_growth;; reach = twice_the_reach(reach)) {
     context.check();
     if (begins) begins(band.count());
     {

@@ -5,6 +5,7 @@
 // with the same f as `tv` and links to 6 or 26 neighbors. Exact, but its measure of area depends on direction.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -50,6 +51,9 @@ constexpr uint64_t graph_bytes_per_vertex(int neighbors, bool grown) {
 inline constexpr double graph_vertices_per_brick = 0.58 * brick_volume;
 /// Masks of the box's vertices, beside the graph: bytes per brick.
 inline constexpr double graph_masks_per_brick = 2 * brick_area;
+
+/// Of a graph that grows: twice as many links, capped before it overflows, as no path is that long.
+constexpr int twice_the_reach(int reach) { return 2 * std::min(reach, 1 << 29); }
 
 /// All links of a vertex, in an order in which the opposite of link d is link size() - 1 - d.
 /// Throws ParameterError when neighbors is neither 6 nor 26 or lambda <= 0.

@@ -4,22 +4,16 @@
 #include "soapfilm/solve/min_cut.h"
 
 #include <bit>
-#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
-#include <boost/graph/compressed_sparse_row_graph.hpp>
-#include <boost/graph/two_bit_color_map.hpp>
 #include <iterator>
 #include <utility>
 
 #include "soapfilm/core/bits.h"
 #include "soapfilm/core/memory.h"
+#include "soapfilm/solve/max_flow.h"
 
 namespace soapfilm {
 
 namespace {
-
-using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
-                                                 boost::no_property, uint32_t, uint32_t>;
-using Edge = boost::graph_traits<Graph>::edge_descriptor;
 
 /// Bits in a vertex's set of directions, after those of its links: it has an edge to the source, to the sink.
 constexpr int bit_of_source = max_links;
@@ -111,11 +105,11 @@ class EdgeIterator {
   value_type edge_;
 };
 
-Graph make_graph(const BandGraph& band, const Nodes& nodes) {
+FlowGraph make_graph(const BandGraph& band, const Nodes& nodes) {
   EdgeStream stream(band, nodes);
   const size_t edges = nodes.links + 2 * nodes.terminals;
-  return Graph(boost::edges_are_sorted, EdgeIterator(stream, edges), EdgeIterator(stream, 0), band.vertices() + 2,
-               static_cast<uint32_t>(edges));
+  return FlowGraph(boost::edges_are_sorted, EdgeIterator(stream, edges), EdgeIterator(stream, 0), band.vertices() + 2,
+                   static_cast<uint32_t>(edges));
 }
 
 /// The direction of a vertex's k-th edge.
@@ -128,14 +122,14 @@ int nth_direction(uint32_t directions, uint32_t k) {
 
 /// Finds the reverse of an edge.
 struct Reverse {
-  const Graph* graph;
+  const FlowGraph* graph;
   const uint32_t* directions;     ///< per vertex
   const uint32_t* terminal_edge;  ///< per vertex: number of the edge from its terminal
   uint32_t vertices;
   int last_direction;  ///< the opposite of d is last_direction - d
 
   uint32_t first_edge(uint32_t vertex) const { return graph->m_forward.m_rowstart[vertex]; }
-  Edge operator()(Edge edge) const {
+  FlowEdge operator()(FlowEdge edge) const {
     const uint32_t to = graph->m_forward.m_column[edge.idx];
     if (edge.src >= vertices) return {to, first_edge(to + 1) - 1};
     const int direction = nth_direction(directions[edge.src], edge.idx - first_edge(edge.src));
@@ -147,54 +141,41 @@ struct Reverse {
 
 // Property maps, by Boost's concepts.
 struct ReverseMap {
-  using key_type = Edge;
-  using value_type = Edge;
-  using reference = Edge;
+  using key_type = FlowEdge;
+  using value_type = FlowEdge;
+  using reference = FlowEdge;
   using category = boost::readable_property_map_tag;
   Reverse reverse;
 };
-Edge get(const ReverseMap& map, Edge edge) { return map.reverse(edge); }
-
-/// The algorithm changes these capacities into residual ones.
-struct ResidualMap {
-  using key_type = Edge;
-  using value_type = double;
-  using reference = double;
-  using category = boost::read_write_property_map_tag;
-  double* values;
-};
-double get(const ResidualMap& map, Edge edge) { return map.values[edge.idx]; }
-void put(const ResidualMap& map, Edge edge, double value) { map.values[edge.idx] = value; }
+FlowEdge get(const ReverseMap& map, FlowEdge edge) { return map.reverse(edge); }
 
 /// A vertex's edge from its parent in the source's tree, or to it in the sink's tree, in one byte: the number of its
 /// edge to the parent, and the tree.
 struct ParentMap {
   using key_type = uint32_t;
-  using value_type = Edge;
-  using reference = Edge;
+  using value_type = FlowEdge;
+  using reference = FlowEdge;
   using category = boost::read_write_property_map_tag;
   static constexpr uint8_t sinks_tree = 0x80;
   uint8_t* codes;
   Reverse reverse;
-  const Context* context;
-  size_t* writes;
+  FlowCheck* check;
 };
-Edge get(const ParentMap& map, uint32_t vertex) {
+FlowEdge get(const ParentMap& map, uint32_t vertex) {
   const uint8_t code = map.codes[vertex];
-  const Edge own{vertex, map.reverse.first_edge(vertex) + (code & ~ParentMap::sinks_tree & 0xFFu)};
+  const FlowEdge own{vertex, map.reverse.first_edge(vertex) + (code & ~ParentMap::sinks_tree & 0xFFu)};
   return code & ParentMap::sinks_tree ? own : map.reverse(own);
 }
-void put(const ParentMap& map, uint32_t vertex, Edge edge) {
-  constexpr size_t writes_between_checks = 1 << 16;
-  if (++*map.writes % writes_between_checks == 0) map.context->check();
+void put(const ParentMap& map, uint32_t vertex, FlowEdge edge) {
+  map.check->count();
   const bool sinks = edge.src == vertex;
-  const Edge own = sinks ? edge : map.reverse(edge);
+  const FlowEdge own = sinks ? edge : map.reverse(edge);
   map.codes[vertex] =
       static_cast<uint8_t>((own.idx - map.reverse.first_edge(vertex)) | (sinks ? ParentMap::sinks_tree : 0u));
 }
 
 /// Number of the edge that leads from its terminal to each vertex.
-std::vector<uint32_t> terminal_edges(const Graph& graph, uint32_t vertices) {
+std::vector<uint32_t> terminal_edges(const FlowGraph& graph, uint32_t vertices) {
   std::vector<uint32_t> edge(vertices);
   for (uint32_t e = graph.m_forward.m_rowstart[vertices]; e < graph.m_forward.m_column.size(); ++e)
     edge[graph.m_forward.m_column[e]] = e;
@@ -202,7 +183,7 @@ std::vector<uint32_t> terminal_edges(const Graph& graph, uint32_t vertices) {
 }
 
 /// Both directions of a link have its weight; the edges from the source and to the sink have the vertex's unary term.
-std::vector<double> capacities(const Graph& graph, const Nodes& nodes, const std::vector<Link>& links,
+std::vector<double> capacities(const FlowGraph& graph, const Nodes& nodes, const std::vector<Link>& links,
                                const std::vector<uint32_t>& terminal_edge) {
   std::vector<double> capacity(graph.m_forward.m_column.size(), 0.0);
   size_t e = 0;
@@ -225,7 +206,7 @@ constexpr double own_bytes_per_vertex = sizeof(long) + 2.0 / 8;
 MinCut min_cut(const BandGraph& band, const Context& context) {
   Nodes nodes(band);
   const uint32_t n = band.vertices();
-  const Graph graph = make_graph(band, nodes);
+  const FlowGraph graph = make_graph(band, nodes);
   const std::vector<uint32_t> terminal_edge = terminal_edges(graph, n);
   std::vector<double> residual = capacities(graph, nodes, band.links(), terminal_edge);
   release(nodes.unary);
@@ -233,18 +214,8 @@ MinCut min_cut(const BandGraph& band, const Context& context) {
   const Reverse reverse{&graph, nodes.directions.data(), terminal_edge.data(), n,
                         static_cast<int>(band.links().size()) - 1};
   std::vector<uint8_t> parent(n + 2);
-  std::vector<uint32_t> distance(n + 2);
-  const auto index = boost::get(boost::vertex_index, graph);
-  const boost::two_bit_color_map<decltype(index)> color(n + 2, index);
-  size_t writes = 0;
-
-  MinCut cut;
-  cut.flow = boost::boykov_kolmogorov_max_flow(
-      graph, ResidualMap{residual.data()}, ResidualMap{residual.data()}, ReverseMap{reverse},
-      ParentMap{parent.data(), reverse, &context, &writes}, color,
-      boost::make_iterator_property_map(distance.begin(), index), index, n, n + 1);
-  cut.inside.resize(n);
-  for (uint32_t v = 0; v < n; ++v) cut.inside[v] = get(color, v) == boost::two_bit_black;
+  FlowCheck check(context);
+  MinCut cut = max_flow(graph, n, residual, ReverseMap{reverse}, ParentMap{parent.data(), reverse, &check});
   cut.links = nodes.links / 2;
   const size_t per_vertex = sizeof(uint32_t) * 4 + sizeof(uint8_t);  // row start, directions, terminal edge, distance
   cut.bytes = residual.size() * (sizeof(double) + sizeof(uint32_t)) + n * per_vertex + n / 4 +

@@ -3,24 +3,18 @@
 
 #include <fmt/core.h>
 
-#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
-#include <boost/graph/compressed_sparse_row_graph.hpp>
-#include <boost/graph/two_bit_color_map.hpp>
 #include <limits>
 
 #include "soapfilm/error.h"
+#include "soapfilm/solve/max_flow.h"
 
 namespace soapfilm {
 
 namespace {
 
-using NetworkGraph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
-                                                        boost::no_property, uint32_t, uint32_t>;
-using NetworkEdge = boost::graph_traits<NetworkGraph>::edge_descriptor;
-
 /// The graph with the terminals as its last two vertices, the source first.
 struct Network {
-  NetworkGraph graph;
+  FlowGraph graph;
   std::vector<uint32_t> reverse;  ///< of each edge
   std::vector<double> residual;   ///< capacities; the algorithm makes residual ones of them
   size_t links = 0;
@@ -28,7 +22,7 @@ struct Network {
   const std::vector<uint32_t>& rows() const { return graph.m_forward.m_rowstart; }
   const std::vector<uint32_t>& ends() const { return graph.m_forward.m_column; }
   /// An edge by its number: its source is where its reverse leads.
-  NetworkEdge edge(uint32_t number) const { return {ends()[reverse[number]], number}; }
+  FlowEdge edge(uint32_t number) const { return {ends()[reverse[number]], number}; }
 };
 
 /// Where each vertex' edges begin; the last one is their number.
@@ -90,41 +84,29 @@ Network make_network(uint32_t vertices, const NetworkStream& stream) {
 
 // Property maps, by Boost's concepts.
 struct NetworkReverse {
-  using key_type = NetworkEdge;
-  using value_type = NetworkEdge;
-  using reference = NetworkEdge;
+  using key_type = FlowEdge;
+  using value_type = FlowEdge;
+  using reference = FlowEdge;
   using category = boost::readable_property_map_tag;
   const Network* network;
 };
-NetworkEdge get(const NetworkReverse& map, NetworkEdge edge) {
+FlowEdge get(const NetworkReverse& map, FlowEdge edge) {
   return {map.network->ends()[edge.idx], map.network->reverse[edge.idx]};
 }
-
-struct NetworkResidual {
-  using key_type = NetworkEdge;
-  using value_type = double;
-  using reference = double;
-  using category = boost::read_write_property_map_tag;
-  double* values;
-};
-double get(const NetworkResidual& map, NetworkEdge edge) { return map.values[edge.idx]; }
-void put(const NetworkResidual& map, NetworkEdge edge, double value) { map.values[edge.idx] = value; }
 
 /// The number of a vertex' edge from or to its parent in a search tree.
 struct NetworkParent {
   using key_type = uint32_t;
-  using value_type = NetworkEdge;
-  using reference = NetworkEdge;
+  using value_type = FlowEdge;
+  using reference = FlowEdge;
   using category = boost::read_write_property_map_tag;
   uint32_t* edges;
   const Network* network;
-  const Context* context;
-  size_t* writes;
+  FlowCheck* check;
 };
-NetworkEdge get(const NetworkParent& map, uint32_t vertex) { return map.network->edge(map.edges[vertex]); }
-void put(const NetworkParent& map, uint32_t vertex, NetworkEdge edge) {
-  constexpr size_t writes_between_checks = 1 << 16;
-  if (++*map.writes % writes_between_checks == 0) map.context->check();
+FlowEdge get(const NetworkParent& map, uint32_t vertex) { return map.network->edge(map.edges[vertex]); }
+void put(const NetworkParent& map, uint32_t vertex, FlowEdge edge) {
+  map.check->count();
   map.edges[vertex] = static_cast<uint32_t>(edge.idx);
 }
 
@@ -133,18 +115,10 @@ void put(const NetworkParent& map, uint32_t vertex, NetworkEdge edge) {
 MinCut min_cut(uint32_t vertices, const NetworkStream& stream, const Context& context) {
   Network network = make_network(vertices, stream);
   const size_t all = size_t{vertices} + 2;
-  std::vector<uint32_t> parent(all), distance(all);
-  const auto index = boost::get(boost::vertex_index, network.graph);
-  const boost::two_bit_color_map<decltype(index)> color(all, index);
-  const NetworkResidual residual{network.residual.data()};
-  size_t writes = 0;
-  MinCut cut;
-  cut.flow = boost::boykov_kolmogorov_max_flow(network.graph, residual, residual, NetworkReverse{&network},
-                                               NetworkParent{parent.data(), &network, &context, &writes}, color,
-                                               boost::make_iterator_property_map(distance.begin(), index), index,
-                                               vertices, vertices + 1);
-  cut.inside.resize(vertices);
-  for (uint32_t v = 0; v < vertices; ++v) cut.inside[v] = get(color, v) == boost::two_bit_black;
+  std::vector<uint32_t> parent(all);
+  FlowCheck check(context);
+  MinCut cut = max_flow(network.graph, vertices, network.residual, NetworkReverse{&network},
+                        NetworkParent{parent.data(), &network, &check});
   cut.links = network.links;
   // Of a vertex: row start, parent, distance; and Boost's time stamp, colors and queue.
   constexpr size_t each = 3 * sizeof(uint32_t) + sizeof(long) + sizeof(uint32_t) + 1;
