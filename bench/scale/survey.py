@@ -1,11 +1,13 @@
-"""A survey larger than memory: survey.py PROGRAM WORK PAGE MILLIONS VOXEL MEMORY
+"""A survey larger than memory: survey.py PROGRAM WORK PAGE MILLIONS VOXEL MEMORY [LAZ_WRITER]
 
-Tiles of a terrain with houses, 16 points per square meter, are written as LAS files and reconstructed from their folder
-with the voxel (meters) in a control group (as root) of so much memory, its large arrays on disk. PAGE gets the row. The
+Tiles of a terrain with houses, 16 points per square meter, are written as LAS files, or as LAZ files by bench_laz_tiles,
+and reconstructed from their folder with the voxel (meters) in a control group (as root) of so much memory (10^9 bytes),
+its large arrays on disk. PAGE gets the row. The
 error is that of the mesh's vertices from the terrain, along z, where no house is near."""
 import json
 import re
 import struct
+import subprocess
 import sys
 from pathlib import Path
 
@@ -45,9 +47,8 @@ def write_las(path, points):
         out.write(rows.tobytes())
 
 
-def write_tiles(folder, millions):
+def write_tiles(folder, per_side, laz_writer):
     folder.mkdir(parents=True)
-    per_side = max(1, round(np.sqrt(millions * 1e6) * SPACING / TILE))
     rng = np.random.default_rng(1)
     count = round(TILE / SPACING)
     for tile in range(per_side**2):
@@ -56,7 +57,11 @@ def write_tiles(folder, millions):
         xy = corner + (place + rng.random(place.shape)) * SPACING
         x, y = xy.T
         z = ground(x, y) + np.where(beside_house(x, y) < 1, EAVES, 0) + rng.normal(0, NOISE, len(x))
-        write_las(folder / f"tile_{tile}.las", np.column_stack([x, y, z]) + [400000, 5600000, 0])
+        las = folder / f"tile_{tile}.las"
+        write_las(las, np.column_stack([x, y, z]) + [400000, 5600000, 0])
+        if laz_writer:
+            subprocess.run([laz_writer, las], check=True)
+            las.unlink()
 
 
 def vertices_of(part):
@@ -89,10 +94,13 @@ def errors(parts):
 def main():
     program, work, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.argv[3])
     millions, voxel, memory = float(sys.argv[4]), float(sys.argv[5]), float(sys.argv[6])
-    tiles, disk = work / f"tiles-{millions:g}", work / "scratch"
+    laz_writer = Path(sys.argv[7]).resolve() if len(sys.argv) > 7 else None
+    kind = "LAZ" if laz_writer else "LAS"
+    tiles, disk = work / f"tiles-{kind}-{millions:g}", work / "scratch"
+    per_side = max(1, round(np.sqrt(millions * 1e6) * SPACING / TILE))
+    total = (per_side * round(TILE / SPACING)) ** 2
     if not tiles.exists():
-        write_tiles(tiles, millions)
-    total = sum((f.stat().st_size - 227) // 20 for f in tiles.iterdir())
+        write_tiles(tiles, per_side, laz_writer)
     disk.mkdir(exist_ok=True)
     run = scratch.measured([program, "reconstruct", tiles, "-o", work / "mesh.ply", "--voxel", voxel, "--scratch", disk,
                             "--split", "auto"], int(memory * 1e9))
@@ -100,7 +108,7 @@ def main():
     rms, off = errors(sorted(work.glob("mesh.part_*.ply")))
     print(run["said"], file=sys.stderr)
     on_disk = re.findall(r"([\d.]+ \w+) on disk in", run["said"])
-    line = (f"| {total / 1e6:.0f} million points, {len(list(tiles.iterdir()))} tiles | {voxel:g} | {memory:g} "
+    line = (f"| {total / 1e6:.0f} million points, {per_side**2} {kind} tiles | {voxel:g} | {memory:g} "
             f"| {on_disk[-1] if on_disk else '-'} | {run['user']:.0f} + {run['system']:.0f} "
             f"| {run['elapsed']:.0f} | {run['read'] / 1e9:.0f} | {run['written'] / 1e9:.0f} "
             f"| {index['triangles'] / 1e6:.1f} | {rms * 1000:.0f} | {off:.2%} |")
