@@ -1,8 +1,10 @@
-"""The same bytes however a scene is held: same_bytes.py PROGRAMS WORK PAGE [--scene NAME]...
+"""The same bytes however a scene is held: same_bytes.py PROGRAMS WORK PAGE [--scene NAME]... [--finer TIMES]
 
 Scenes of bench/scenes, reconstructed in memory on one thread, on two, with arrays on disk in a half of the memory that
 this plans and in little more than the least that is taken, and by 2, 3, 4 and 7 processes (as root), on one thread or
-two. Meshes must have the same bytes, reports the same values but for times, memory and ranks. PAGE gets a line."""
+two. With a voxel so many times finer they are large enough for windows: in control groups of 1/2, 1/4 and 1/8 of what
+they use in memory. Meshes must have the same bytes, reports the same values but for times, memory and ranks. PAGE gets
+a line."""
 import argparse
 import json
 import re
@@ -18,6 +20,7 @@ from catalog import SCENES
 from kit import Kit
 
 RANKS = (2, 3, 4, 7)
+PARTS = (2, 4, 8)
 MIB = 1 << 20
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
 OF_THE_RUN = ("seconds", "cpu_seconds", "memory", "ranks", "command", "parameters")
@@ -29,18 +32,21 @@ class Differences:
     def __init__(self, programs, folder, inputs):
         self.programs, self.folder = programs, folder
         self.inputs = [folder / name for name in inputs]
+        self.scratch = folder / "scratch"
+        self.scratch.mkdir(exist_ok=True)
         self.first, self.found = None, []
-        self.least = self.peak = 0
+        self.least = self.planned = self.used = 0
         self.was_on_disk = False
         self.runs = self.refused = self.on_disk = 0
 
-    def result(self, before, *words):
+    def result(self, before, *words, group=None):
         """Digest of the mesh, and the report; None where it does not fit."""
         mesh, report = self.folder / "same.ply", self.folder / "same.json"
         mesh.unlink(missing_ok=True)
         program = self.programs / ("soapfilm-mpi" if before else "soapfilm")
         words = [*before, program, "reconstruct", *self.inputs, "-o", mesh, "--report", report, *words]
-        run = subprocess.run(list(map(str, words)), capture_output=True, text=True)
+        run = subprocess.run(list(map(str, words)), capture_output=True, text=True,
+                             preexec_fn=group.join if group else None)
         self.was_on_disk = "on disk in" in run.stderr
         needed = re.search(r"needs? about ([\d.]+) (MiB|GiB), --memory is", run.stderr)
         if needed and run.returncode == 2 and not mesh.exists():
@@ -49,11 +55,11 @@ class Differences:
         if run.returncode:
             sys.exit(f"{' '.join(map(str, words))}\nexit code {run.returncode}: {run.stderr}")
         values = json.loads(report.read_text())
-        self.peak = values["memory"]["planned_bytes"]
+        self.planned, self.used = values["memory"]["planned_bytes"], values["memory"]["peak_bytes"]
         return scratch.digest(mesh), {k: v for k, v in values.items() if k not in OF_THE_RUN}
 
-    def compare(self, name, before, *words):
-        found = self.result(before, *words)
+    def compare(self, name, before, *words, group=None):
+        found = self.result(before, *words, group=group)
         self.runs += 1
         self.on_disk += found is not None and self.was_on_disk
         if found is None:
@@ -65,11 +71,9 @@ class Differences:
 
     def all(self):
         self.compare("memory", [], "--threads", 1)
-        whole = self.peak
+        whole = self.planned
         self.compare("2 threads", [], "--threads", 2)
-        folder = self.folder / "scratch"
-        folder.mkdir(exist_ok=True)
-        on_disk = lambda bytes: ["--memory", f"{bytes:.0f}", "--scratch", folder]
+        on_disk = lambda bytes: ["--memory", f"{bytes:.0f}", "--scratch", self.scratch]
         self.compare("half", [], *on_disk(whole / 2), "--threads", 1)
         self.least = MIB
         while self.result([], *on_disk(self.least)) is None:  # it says what it needs, once for the samples
@@ -78,12 +82,26 @@ class Differences:
         for k, count in enumerate(RANKS):
             self.compare(f"{count} ranks", [*MPIRUN, count], "--threads", 1 + k % 2)
 
+    def windows(self, finer):
+        """At a finer voxel, its arrays on disk, in control groups with parts of the memory that it uses without."""
+        self.result([])
+        report = json.loads((self.folder / "same.json").read_text())
+        voxel = ["--voxel", repr(report["grid"]["voxel"] / finer)]
+        self.first = None
+        self.compare("finer", [], *voxel, "--threads", 1)
+        whole = self.used
+        for k, part in enumerate(PARTS):
+            group = scratch.Group(whole // part)
+            self.compare(f"finer, 1/{part}", [], *voxel, "--scratch", self.scratch, "--threads", 1 + k % 2, group=group)
+            group.remove()
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name in ("programs", "work", "page"):
         parser.add_argument(name, type=Path)
     parser.add_argument("--scene", action="append", choices=[s.name for s in SCENES])
+    parser.add_argument("--finer", type=float)
     options = parser.parse_args()
     programs = options.programs.resolve()
     run = lambda *words: subprocess.run([programs / "soapfilm", *map(str, words)], check=True, capture_output=True)
@@ -95,7 +113,10 @@ def main():
             continue
         folder = options.work.resolve() / scene.name
         trial = Differences(programs, folder, scene.make(Kit(folder, run)).inputs)
-        trial.all()
+        if options.finer:
+            trial.windows(options.finer)
+        else:
+            trial.all()
         print(scene.name, trial.runs, "runs,", trial.refused, "refused,", trial.on_disk, "on disk;", trial.found or "same",
               flush=True)
         runs, refused, on_disk = runs + trial.runs, refused + trial.refused, on_disk + trial.on_disk
@@ -103,6 +124,9 @@ def main():
     line = (f"{len(names)} scenes, {runs} runs, {on_disk} of them on disk, {refused} refused as too large for the memory: "
             f"{'; '.join(found) or 'no other byte'}.")
     begin, end = "<!-- same_bytes.py -->\n", "<!-- end of same_bytes.py -->"
+    if options.finer:
+        line = f"At a voxel {options.finer:g} times finer, in 1/2, 1/4 and 1/8 of what they use: {line}"
+        begin, end = "<!-- same_bytes.py --finer -->\n", "<!-- end of same_bytes.py --finer -->"
     text = options.page.read_text()
     options.page.write_text(text.split(begin)[0] + begin + line + "\n" + end + text.split(end)[1])
 

@@ -66,8 +66,8 @@ TEST_F(FakeSystem, Version2LimitLessUsageWithoutCache) {
   write("proc/self/cgroup", "0::/job\n");
   write("sys/fs/cgroup/job/memory.max", "1000000\n");
   write("sys/fs/cgroup/job/memory.current", "300000\n");
-  write("sys/fs/cgroup/job/memory.stat", "anon 200000\nfile 100000\ninactive_file 50000\n");
-  EXPECT_EQ(available(), 750000u);
+  write("sys/fs/cgroup/job/memory.stat", "anon 200000\nfile 100000\ninactive_file 50000\nactive_file 40000\n");
+  EXPECT_EQ(available(), 790000u);
 }
 
 TEST_F(FakeSystem, AnOuterGroupMayBeTighter) {
@@ -85,7 +85,8 @@ TEST_F(FakeSystem, Version1GroupAmongOthers) {
   write("proc/self/cgroup", "9:name=systemd:/\n5:cpu,cpuacct:/x\n4:memory:/job\n0::/\n");
   write("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "500000\n");
   write("sys/fs/cgroup/memory/job/memory.usage_in_bytes", "100000\n");
-  EXPECT_EQ(available(), 400000u);
+  write("sys/fs/cgroup/memory/job/memory.stat", "inactive_file 9\ntotal_inactive_file 20000\ntotal_active_file 7000\n");
+  EXPECT_EQ(available(), 427000u);
 }
 
 TEST_F(FakeSystem, AContainerSeesItsLimitAtTheMount) {

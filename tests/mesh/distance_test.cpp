@@ -11,6 +11,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/error.h"
 #include "support/flat_sheet.h"
+#include "support/shuffled.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -143,6 +144,31 @@ TEST(Distance, PointsFarFromTheMeshAreMeasuredToo) {
   const auto d = distances_to_mesh({{0, 0, 1e7}, {0, 0, 1e7 + 1}}, test::flat_sheet(4, {-2, -2, 0}, 1), Context(1));
   EXPECT_DOUBLE_EQ(d[0], 1e7);
   EXPECT_DOUBLE_EQ(d[1], 1e7 + 1);
+}
+
+TEST(Distance, TheSameByParts) {
+  Mesh mesh = sphere(1, 4, {1e6, -3, 7});
+  const std::vector<Vec3d> near = random_points(5000, 1.2, 5), far = random_points(200, 40, 6);
+  std::vector<Vec3d> points = near;
+  points.insert(points.end(), far.begin(), far.end());
+  points.insert(points.end(), mesh.vertices.begin(), mesh.vertices.end());  // at a distance of 0, in several parts
+  for (size_t i = 0; i < near.size() + far.size(); ++i) points[i] += Vec3d{1e6, -3, 7};
+  for (const bool shuffled : {false, true}) {
+    if (shuffled)
+      mesh.triangles =
+          test::in_order(mesh.triangles, test::random_order(mesh.triangles.size(), 8));  // then each part is everywhere
+    const std::vector<double> expected = distances_to_mesh(points, mesh, Context(1));
+    for (const size_t part : {size_t{1} << 20, mesh.triangles.size(), size_t{500}, size_t{37}})
+      for (const int threads : {1, 3}) ASSERT_EQ(distances_by_parts(points, mesh, part, Context(threads)), expected);
+  }
+}
+
+TEST(Distance, ByPartsRefusesTheSame) {
+  EXPECT_THROW(distances_by_parts({{0, 0, 0}}, Mesh{}, 10, Context(1)), ParameterError);
+  EXPECT_THROW(distances_by_parts({{0, 0, std::nan("")}}, test::flat_sheet(4, {}, 1), 10, Context(1)), ParameterError);
+  Mesh bad = test::flat_sheet(4, {}, 1);
+  bad.triangles[20][1] = static_cast<uint32_t>(bad.vertices.size());
+  EXPECT_THROW(distances_by_parts({{0, 0, 0}}, bad, 10, Context(1)), ParameterError);
 }
 
 TEST(Distance, TheSameForAnyNumberOfThreads) {

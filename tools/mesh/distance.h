@@ -46,6 +46,11 @@ class ClosestPointQuery {
 /// Distance of each point to the mesh; see ClosestPointQuery.
 std::vector<double> distances_to_mesh(const std::vector<Vec3d>& points, const Mesh& mesh, const Context& context);
 
+/// The same distances with a tree over only so many triangles at a time, > 0: less memory, more time. Fast if the
+/// points are in an order along space, and neighbors among the triangles are near each other.
+std::vector<double> distances_by_parts(const std::vector<Vec3d>& points, const Mesh& mesh, size_t part_triangles,
+                                       const Context& context);
+
 DistanceSummary summarize(std::vector<double> distances);
 
 /// summarize(distances_to_mesh(...)).

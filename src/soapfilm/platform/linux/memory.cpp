@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <ctime>
 #include <fstream>
@@ -41,11 +42,13 @@ struct GroupFiles {
   const char* mount;
   const char* limit;
   const char* usage;
-  const char* cache;  ///< entry of memory.stat: file cache that the system can free
+  std::array<const char*, 2> cache;  ///< entries of memory.stat: file cache, that the system can free
 };
-constexpr GroupFiles group_v1{"sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
-                              "total_inactive_file"};
-constexpr GroupFiles group_v2{"sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
+constexpr GroupFiles group_v1{"sys/fs/cgroup/memory",
+                              "memory.limit_in_bytes",
+                              "memory.usage_in_bytes",
+                              {"total_inactive_file", "total_active_file"}};
+constexpr GroupFiles group_v2{"sys/fs/cgroup", "memory.max", "memory.current", {"inactive_file", "active_file"}};
 
 /// Smallest room in the group `path` and in those above it. A path that the process cannot see (a container's outer
 /// one) has no files and sets no limit.
@@ -56,7 +59,9 @@ uint64_t room_in_group(const std::string& root, const GroupFiles& files, std::st
     const auto limit = read_number(folder + files.limit);
     const auto usage = read_number(folder + files.usage);
     if (limit && usage) {
-      const uint64_t held = *usage - std::min(*usage, read_entry(folder + "memory.stat", files.cache).value_or(0));
+      uint64_t cache = 0;
+      for (const char* entry : files.cache) cache += read_entry(folder + "memory.stat", entry).value_or(0);
+      const uint64_t held = *usage - std::min(*usage, cache);
       room = std::min(room, *limit - std::min(*limit, held));
     }
     if (path.empty()) return room;
