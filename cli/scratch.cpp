@@ -18,6 +18,8 @@
 #endif
 
 #include "soapfilm/core/context_state.h"
+#include "soapfilm/io/formats.h"
+#include "soapfilm/io/text/text.h"
 #include "soapfilm/platform/memory.h"
 #include "soapfilm/platform/page_pool.h"
 #include "soapfilm/platform/scratch.h"
@@ -89,6 +91,27 @@ void return_freed_memory() {
 #endif
 }
 
+uint64_t file_bytes(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const uintmax_t bytes = std::filesystem::file_size(file, unknown);
+  return unknown ? 0 : bytes;
+}
+
+/// How large the cloud of a file may become: 24 to 60 bytes a sample. A set's scans are mostly beside the set.
+uint64_t cloud_bytes(const std::filesystem::path& file) {
+  constexpr uint64_t growth = 5;              // from 12 bytes a sample or more
+  constexpr uint64_t compressed_growth = 20;  // LAZ: from 3
+  const io::Format* const format = io::format_of_extension(file.string());
+  if (!format || !format->names_files())
+    return file_bytes(file) * (io::lower_case(file.extension().string()) == ".laz" ? compressed_growth : growth);
+  uint64_t beside = 0;
+  std::error_code unknown;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::absolute(file).parent_path(), unknown))
+    if (const io::Format* one = io::format_of_extension(entry.path().string()); one && !one->names_files())
+      beside += cloud_bytes(entry.path());
+  return beside;
+}
+
 }  // namespace
 
 void use_scratch(const std::string& folder, Context& context) {
@@ -103,14 +126,11 @@ void use_scratch(const std::string& folder, Context& context) {
 
 void make_room_for(const std::vector<std::string>& files, const Context& context) {
   if (!context.state().move_vectors) return;
-  uint64_t file_bytes = 0;
-  std::error_code unknown;
-  for (const std::string& file : files)
-    if (const uintmax_t bytes = std::filesystem::file_size(file, unknown); !unknown) file_bytes += bytes;
-  constexpr uint64_t growth = 5;  // a file has 12 bytes a sample or more, the cloud 24 to 60
-  constexpr uint64_t part = 8;    // the run needs some 700 bytes a sample
+  uint64_t cloud = 0;
+  for (const std::string& file : files) cloud += cloud_bytes(file);
+  constexpr uint64_t part = 8;  // the run needs some 700 bytes a sample
   const uint64_t room = context.memory_limit().value_or(available_memory_bytes());
-  if (growth * file_bytes > room / part) context.state().move_vectors(context.state().scratch_folder);
+  if (cloud > room / part) context.state().move_vectors(context.state().scratch_folder);
 }
 
 }  // namespace soapfilm::cli

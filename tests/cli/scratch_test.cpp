@@ -6,11 +6,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "cli/scratch.h"
+#include "soapfilm/core/context_state.h"
 #include "support/program.h"
 #include "support/sanitized.h"
 
@@ -73,6 +77,28 @@ TEST_F(ScratchOption, GivesTheSameBytesWhereMemoryDoesNotSuffice) {
     EXPECT_TRUE(read_file(mesh) == expected) << threads;
     EXPECT_TRUE(std::filesystem::is_empty(scratch));
   }
+}
+
+TEST(MakeRoom, KnowsHowLargeACloudBecomes) {
+  const TemporaryFolder folder;
+  const auto moves = [&](const std::string& name, uintmax_t bytes, const std::string& input) {
+    std::ofstream(folder.file(name)).close();
+    std::filesystem::resize_file(folder.file(name), bytes);
+    Context context(1);
+    context.limit_memory(size_t{256} << 20);  // an eighth is 32 MiB
+    bool moved = false;
+    context.state().move_vectors = [&](const std::string&) { moved = true; };
+    cli::make_room_for({folder.file(input)}, context);
+    std::filesystem::remove(folder.file(name));
+    return moved;
+  };
+  std::ofstream(folder.file("scans.conf")) << "bmesh scan.ply 0 0 0 0 0 0 1\n";
+  constexpr uintmax_t small = 3 << 20, large = 12 << 20;
+  EXPECT_FALSE(moves("tile.las", small, "tile.las"));
+  EXPECT_TRUE(moves("tile.las", large, "tile.las"));
+  EXPECT_TRUE(moves("tile.laz", small, "tile.laz")) << "compressed";
+  EXPECT_FALSE(moves("scan.ply", small, "scans.conf"));
+  EXPECT_TRUE(moves("scan.ply", large, "scans.conf")) << "the set itself is small";
 }
 
 TEST_F(ScratchOption, RefusesAFolderThatIsNone) {
