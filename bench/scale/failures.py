@@ -18,6 +18,8 @@ import threading
 import time
 from pathlib import Path
 
+import marked
+
 HERE = Path(__file__).resolve().parent
 LONGEST = 120  # seconds, then a run counts as one that hangs
 OLD = b"old"
@@ -318,17 +320,14 @@ class Mounted:
 
 def write_table(page, table, commit):
     """Rows of other runs stay."""
-    begin, end = "<!-- failures.py -->\n", "<!-- end of failures.py -->"
-    before, old = page.read_text().split(begin)
-    old, after = old.split(end)
-    rows = dict(line.split(" | ", 1) for line in old.splitlines()[2:])
+    rows = dict(line.split(" | ", 1) for line in marked.read(page, "failures.py").splitlines()[2:])
     for row, (runs, ended, faults) in table.items():
         rows[f"| {row}"] = f"{runs} | {ended} | {faults} | {commit} |"
     head = ["| what happens | runs | that ended early | that did not end as they must | commit |",
             "|---|---|---|---|---|"]
     lines = "\n".join(head + [f"{row} | {numbers}" for row, numbers in rows.items()])
     print(lines)
-    page.write_text(before + begin + lines + "\n" + end + after)
+    marked.write(page, "failures.py", lines + "\n")
 
 
 def main():

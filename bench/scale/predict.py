@@ -6,6 +6,8 @@ import re
 import sys
 from pathlib import Path
 
+import marked
+
 MILLIONS = (100, 300, 1000)  # predicted
 GIB = 2**30
 HEAD = ("| points | | memory | disk | CPU | on one core | read from disk | triangles |\n"
@@ -51,9 +53,7 @@ def main():
     rows = measured(notes)
     lines = [line_of(row, "measured") for row in rows]
     lines += [line_of(predicted(rows, millions), "predicted") for millions in MILLIONS if millions > rows[-1]["points"]]
-    begin, end = "<!-- predict.py -->\n", "<!-- end of predict.py -->"
-    text = Path(page).read_text()
-    Path(page).write_text(text.split(begin)[0] + begin + HEAD + "\n".join(lines) + "\n" + end + text.split(end)[1])
+    marked.write(page, "predict.py", HEAD + "\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ import sys
 import time
 from pathlib import Path
 
+import marked
+
 HERE = Path(__file__).resolve().parent
 
 
@@ -100,9 +102,7 @@ def main():
     table = ["| processes | seconds | speed-up | CPU s of rank 0, without waiting | speed-up by these | of them and of waiting: "
              "solve, refine, relax | share of exchanging and waiting, each | MB sent | MB of memory, each | same bytes |",
              "|---|---|---|---|---|---|---|---|---|---|", *rows]
-    text = page.read_text()
-    begin, end = "<!-- ranks.py -->\n", "<!-- end of ranks.py -->"
-    page.write_text(text.split(begin)[0] + begin + facts + "\n\n" + "\n".join(table) + "\n" + end + text.split(end)[1])
+    marked.write(page, "ranks.py", facts + "\n\n" + "\n".join(table) + "\n")
 
 
 if __name__ == "__main__":

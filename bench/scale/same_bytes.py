@@ -15,6 +15,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path += [str(HERE), str(HERE.parent / "scenes")]
 
+import marked
 import scratch
 from catalog import SCENES
 from kit import Kit
@@ -123,12 +124,9 @@ def main():
         found += [f"{scene.name}, {what}" for what in trial.found]
     line = (f"{len(names)} scenes, {runs} runs, {on_disk} of them on disk, {refused} refused as too large for the memory: "
             f"{'; '.join(found) or 'no other byte'}.")
-    begin, end = "<!-- same_bytes.py -->\n", "<!-- end of same_bytes.py -->"
     if options.finer:
         line = f"At a voxel {options.finer:g} times finer, in 1/2, 1/4 and 1/8 of what they use: {line}"
-        begin, end = "<!-- same_bytes.py --finer -->\n", "<!-- end of same_bytes.py --finer -->"
-    text = options.page.read_text()
-    options.page.write_text(text.split(begin)[0] + begin + line + "\n" + end + text.split(end)[1])
+    marked.write(options.page, "same_bytes.py --finer" if options.finer else "same_bytes.py", line + "\n")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Runs in less memory than they need, their arrays on disk: scratch.py PROGRAM WORK PAGE [RESOLUTION...]
 
-A torus is scanned, reconstructed in memory, and again in a control group (v1 or v2; as root) that has 1/2 and 1/4 of its
-peak. PAGE gets the table. Bytes are those of the process: read from the disk, and of mapped files made dirty."""
+A torus is scanned, reconstructed in memory, and again in a control group (v1 or v2; as root) that has 1/2, 1/4 and 1/8
+of its peak. PAGE gets the table. Bytes are those of the process: read from the disk, and of mapped files made dirty."""
 import hashlib
 import os
 import platform
@@ -12,7 +12,9 @@ import time
 from fractions import Fraction
 from pathlib import Path
 
-SHARES = [Fraction(1, 2), Fraction(1, 4)]
+import marked
+
+SHARES = [Fraction(1, 2), Fraction(1, 4), Fraction(1, 8)]
 NAME = f"soapfilm-scratch-{os.getpid()}"
 HERE = Path(__file__).resolve().parent
 
@@ -117,12 +119,9 @@ def main():
             rows.append(line)
     facts = (f"Commit {commit.stdout.strip()}, {os.cpu_count()} CPUs, Linux {platform.release().split('-')[0]}; one "
              "thread.")
-    text = page.read_text()
-    begin, end = "<!-- scratch.py -->\n", "<!-- end -->"
-    before, after = text.split(begin)[0], text.split(end)[1]
     table = ["| resolution | arrays in | MB of memory | CPU s, user + system | CPU over in memory | elapsed s | read GB "
              "| planned | made dirty GB | planned | same bytes |", "|---|---|---|---|---|---|---|---|---|---|---|", *rows]
-    page.write_text(before + begin + facts + "\n\n" + "\n".join(table) + "\n" + end + after)
+    marked.write(page, "scratch.py", facts + "\n\n" + "\n".join(table) + "\n")
 
 
 if __name__ == "__main__":

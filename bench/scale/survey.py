@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parent))
+import marked
 import scratch
 
 SPACING, TILE = 0.25, 250.0  # meters: of points; side of a tile
@@ -113,14 +114,11 @@ def main():
             f"| {run['elapsed']:.0f} | {run['read'] / 1e9:.0f} | {run['written'] / 1e9:.0f} "
             f"| {index['triangles'] / 1e6:.1f} | {rms * 1000:.0f} | {off:.2%} |")
     print(line)
-    begin, end = "<!-- survey.py -->\n", "<!-- end of survey.py -->"
-    text = page.read_text()
-    before, after = text.split(begin)[0], text.split(end)[1]
     head = ("| points | voxel, m | GB of memory | planned on disk | CPU s, user + system | elapsed s | read GB "
             "| made dirty GB | million triangles | rms error of open ground, mm | vertices more than 25 cm off |\n"
             "|---|---|---|---|---|---|---|---|---|---|---|\n")
-    rows = [l for l in text.split(begin)[1].split(end)[0].splitlines() if l.startswith("| ") and "million points" in l]
-    page.write_text(before + begin + head + "\n".join([*rows, line]) + "\n" + end + after)
+    rows = [l for l in marked.read(page, "survey.py").splitlines() if l.startswith("| ") and "million points" in l]
+    marked.write(page, "survey.py", head + "\n".join([*rows, line]) + "\n")
 
 
 if __name__ == "__main__":

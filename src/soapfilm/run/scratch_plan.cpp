@@ -24,12 +24,12 @@ struct ResidentShares {
 constexpr uint64_t small_arrays = uint64_t{12} << 20;
 
 /// Of the check's trees, which belong to another library: of a part of the mesh, and this much where it is small.
-constexpr uint64_t least_tree = uint64_t{28} << 20;
+constexpr uint64_t least_tree = uint64_t{18} << 20;
 
 /// The library's arrays are values on the bricks and rows of grids; their topology, samples and meshes are vectors.
 /// Relaxing has the smoothed field beside the mesh.
 ResidentShares shares_of(const ReconstructParams& params, bool moves_vectors) {
-  if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, params.checked ? 0.08 : 0.05, 0.05};
+  if (moves_vectors) return {0.05, 0.05, 0.05, 0.05, params.checked ? 0.07 : 0.05, 0.05};
   const double solve = is_graph_cut(params.method) ? 1 : params.method == Method::poisson ? 0.12 : 0.05;
   const double mesh = params.checked || simplifies(params.simplify) ? 1 : 0.78;
   return {1, 1, solve, 0.15, mesh, 0.15};
