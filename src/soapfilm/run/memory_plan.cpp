@@ -250,9 +250,14 @@ MemoryBudget::MemoryBudget(const ReconstructParams& params, const PointCloud& cl
 }
 
 void MemoryBudget::check() {
-  const bool on_disk = scratch_.takes(plan_, room_);
-  check_memory(on_disk ? scratch_.resident_part(plan_) : plan_, room_, lattice_, area_,
-               params_.place.resolution && !params_.place.voxel);
+  const bool by_resolution = params_.place.resolution && !params_.place.voxel;
+  if (!scratch_.takes(plan_, room_)) return check_memory(plan_, room_, lattice_, area_, by_resolution);
+  // What must stay of arrays on disk is a guess from above. Once all is solved it must be far off to be worth losing
+  // that: with less the run is slow.
+  constexpr double late_margin = 1.25;
+  const MemoryPlan resident = scratch_.resident_part(plan_);
+  if (solved_ && static_cast<double>(resident.least()) <= late_margin * static_cast<double>(room_.bytes)) return;
+  check_memory(resident, room_, lattice_, area_, by_resolution);
 }
 
 void MemoryBudget::take(const MemoryPlan& plan) {
@@ -339,6 +344,7 @@ bool MemoryBudget::plan_kept(uint64_t bytes, uint64_t beside) {
 }
 
 void MemoryBudget::plan_mesh(const Labels& labels, uint64_t faced_samples, const Context& context) {
+  solved_ = true;
   if (params_.method != Method::tv) return;
   constexpr uint64_t faced_bytes = 45;  // their places and a tree over them, and directions in addition to the views
   plan_.mesh = {mesh_bytes(count_faces(labels, context), params_) + faced_bytes * faced_samples, 1};

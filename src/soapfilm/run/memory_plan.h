@@ -154,6 +154,7 @@ class MemoryBudget {
   MemoryPlan plan_;
   uint64_t solve_alone_ = 0;  ///< of plan_.solve, without plan_beside()
   uint64_t first_ = 0;
+  bool solved_ = false;
 };
 
 }  // namespace soapfilm
