@@ -62,6 +62,14 @@ at_try bash -c 'source /usr/share/bash-completion/completions/soapfilm
   COMP_WORDS=(soapfilm reconstruct --meth) COMP_CWORD=2; _soapfilm; [[ ${COMPREPLY[0]} == --method ]]' ||
   die "completion does not work"
 
+say "install the program for many machines: apt install ./soapfilm-mpi_*.deb"
+install_there "the program for many machines" '/debs/soapfilm-mpi_*.deb'
+for program in soapfilm-mpi soapfilm; do  # which goes on as the other one
+  at_try mpirun --allow-run-as-root --oversubscribe -n 2 $program -q reconstruct scans/scans.conf -o ranks.ply
+  cmp "$root/try/ranks.ply" "$root/try/scans.mesh.ply" || die "$program: two processes make another mesh"
+  rm "$root/try/ranks.ply"
+done
+
 say "install the library: apt install ./libsoapfilm*.deb, with a compiler"
 install_there "the library" '/debs/libsoapfilm*.deb g++ cmake make pkg-config'
 inside ldconfig -p | grep libsoapfilm > /dev/null || die "the trigger did not call ldconfig"
