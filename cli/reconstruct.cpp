@@ -294,14 +294,18 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   StandardStreams streams(options.format, context);
   find_files(options, streams, global.speaks(), progress);
 
-  if (global.ranks) share_run(global.ranks, context);
+  if (global.ranks) {
+    share_run(global.ranks, context);
+    require_same_params(*global.ranks, options.params);
+  }
   make_room_for(options.inputs, context);
   Stages stages(context);
   ReadReport read;
   PointCloud cloud =
       stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
   check_names(options, read);
-  if (global.ranks) check_agreement(*global.ranks, options.params, cloud);
+  const bool read_by_each = options.inputs.size() == 1;  // of several files ranks have the same samples
+  if (global.ranks && read_by_each) require_same_samples(*global.ranks, cloud);
   order_samples(cloud, context);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;
