@@ -190,7 +190,7 @@ TEST_F(SharedReading, SendsAllThatACloudCanHave) {
   }
 }
 
-TEST_F(SharedReading, ReadsEachFileOnce) {
+TEST_F(SharedReading, ThreadsReadEachFileOnce) {
   for (const size_t count : {2, 5, 16}) {
     std::vector<std::atomic<int>> read(count);
     on_ranks<int>(3, 2, any_cuts, [&](const Context& context) {

@@ -122,9 +122,13 @@ TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
     EXPECT_EQ(read_file(folder.file("mesh.ply")), read_file(folder.file("alone.ply")));
     EXPECT_EQ(report_of("mesh.json"), report_of("alone.json"));
     EXPECT_EQ(count_of(done.err, "triangles"), 1u) << "one process prints";
-    const auto of_ranks = nlohmann::json::parse(read_file(folder.file("mesh.json")))["ranks"];
+    const auto of_ranks = nlohmann::ordered_json::parse(read_file(folder.file("mesh.json")))["ranks"];
     ASSERT_EQ(of_ranks.size(), static_cast<size_t>(ranks));
-    for (const auto& rank : of_ranks) EXPECT_GT(rank["sent_bytes"].get<size_t>(), 1000000u) << "slabs had borders";
+    for (const auto& rank : of_ranks) {
+      EXPECT_GT(rank["sent_bytes"].get<size_t>(), 1000000u) << "slabs had borders";
+      EXPECT_EQ(rank["seconds"].items().begin().key(), "read");
+      EXPECT_LT(rank["exchange_share"].get<double>(), 1);
+    }
   }
 }
 
