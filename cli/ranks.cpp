@@ -16,18 +16,6 @@
 
 namespace soapfilm::cli {
 
-namespace {
-
-void require_same(Ranks& ranks, const char* what, uint64_t own) {
-  const std::vector<uint64_t> all = of_all(ranks, own);
-  const auto other = std::find_if(all.begin(), all.end(), [&](uint64_t hash) { return hash != all[0]; });
-  if (other != all.end())
-    throw ParameterError(fmt::format("rank {} has other {} than rank 0: each needs the same command and the same files",
-                                     other - all.begin(), what));
-}
-
-}  // namespace
-
 #ifdef SOAPFILM_MPI
 
 std::shared_ptr<Ranks> join_ranks() { return MpiRanks::join(); }
@@ -70,11 +58,12 @@ void share_run(const std::shared_ptr<Ranks>& ranks, Context& context) { context.
 
 #endif
 
-void check_agreement(Ranks& ranks, const ReconstructParams& params, const PointCloud& cloud) {
+void require_same_params(Ranks& ranks, const ReconstructParams& params) {
   Hash hash;
   hash.add(to_json(params));
   require_same(ranks, "parameters", hash.value());
-  require_same(ranks, "samples", hash_of(cloud));
 }
+
+void require_same_samples(Ranks& ranks, const PointCloud& cloud) { require_same(ranks, "samples", hash_of(cloud)); }
 
 }  // namespace soapfilm::cli

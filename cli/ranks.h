@@ -34,7 +34,8 @@ void close_ranks(Ranks& ranks);
 /// Makes a run of `context` one of the ranks: they agree on its memory, the least that one of them has, and stop
 /// waiting when it is cancelled. Throws MemoryError.
 void share_run(const std::shared_ptr<Ranks>& ranks, Context& context);
-/// Throws ParameterError where ranks have other parameters or samples than rank 0.
-void check_agreement(Ranks& ranks, const ReconstructParams& params, const PointCloud& cloud);
+/// Throw ParameterError where ranks have other parameters, or other samples, than rank 0.
+void require_same_params(Ranks& ranks, const ReconstructParams& params);
+void require_same_samples(Ranks& ranks, const PointCloud& cloud);
 
 }  // namespace soapfilm::cli

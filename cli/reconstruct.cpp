@@ -40,6 +40,7 @@
 #include "soapfilm/mesh/topology.h"
 #include "soapfilm/run/defaults.h"
 #include "soapfilm/run/order_samples.h"
+#include "soapfilm/run/rank_times.h"
 #include "soapfilm/run/run.h"
 #include "tools/evaluate/check_result.h"
 
@@ -125,6 +126,15 @@ PointCloud read_input(const ReconstructOptions& options, const std::vector<std::
   PointCloud cloud = read_cloud(options.inputs, as, context, read);
   context.progress().info(
       fmt::format("{} samples in {} scan{}", cloud.size(), cloud.scans.size(), cloud.scans.size() == 1 ? "" : "s"));
+  return cloud;
+}
+
+/// The same on each rank, if there are some, or an error on all.
+PointCloud read_alike(Ranks* ranks, const ReconstructOptions& options, const Context& context, ReadReport& read) {
+  if (ranks) require_same_params(*ranks, options.params);
+  PointCloud cloud = read_input(options, options.params.surface.attributes, context, read);
+  const bool read_by_each = options.inputs.size() == 1;  // each of several is read by one rank
+  if (ranks && read_by_each) require_same_samples(*ranks, cloud);
   return cloud;
 }
 
@@ -274,7 +284,8 @@ void set_limits(const ReconstructOptions& options, Context& context) {
 }
 
 /// What the program did beside the library: reading before it, checking and writing after it.
-void add_own_facts(const ReadReport& read, const Stages& stages, ReconstructReport& report) {
+void add_own_facts(const ReadReport& read, const Stages& stages, const std::vector<RankTimes>& of_reading,
+                   ReconstructReport& report) {
   report.input.dropped = read.dropped();
   report.input.no_return = no_returns(read);
   std::vector<std::string> warnings;
@@ -282,6 +293,7 @@ void add_own_facts(const ReadReport& read, const Stages& stages, ReconstructRepo
   report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
   for (const StageTime& stage : stages.times())
     report.stages.insert(stage.name == "read" ? report.stages.begin() : report.stages.end(), stage);
+  add_first_stages(of_reading, report);
   report.peak_bytes = peak_memory_bytes();
 }
 
@@ -298,10 +310,9 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   make_room_for(options.inputs, context);
   Stages stages(context);
   ReadReport read;
-  PointCloud cloud =
-      stages.run("read", [&] { return read_input(options, options.params.surface.attributes, context, read); });
+  PointCloud cloud = stages.run("read", [&] { return read_alike(global.ranks.get(), options, context, read); });
   check_names(options, read);
-  if (global.ranks) check_agreement(*global.ranks, options.params, cloud);
+  const std::vector<RankTimes> of_reading = times_of_ranks(stages.times(), context);
   order_samples(cloud, context);
   if (options.preview) make_preview(options.params, cloud, progress);
   LevelFiles levels;
@@ -328,7 +339,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (!report.input.coordinate_system.empty() && !streams.gives_output())
     write_text_file(coordinate_system_file(options), report.input.coordinate_system + "\n");
   report.command = global.command;
-  add_own_facts(read, stages, report);
+  add_own_facts(read, stages, of_reading, report);
   if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();

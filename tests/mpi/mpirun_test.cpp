@@ -63,6 +63,26 @@ class Mpirun : public testing::Test {
     return {"reconstruct",  folder.file("scan") + "/samples.ply", "-o",        folder.file(to),
             "--resolution", std::to_string(resolution),           "--threads", "1"};
   }
+  /// What does not depend on the processes.
+  nlohmann::json report_of(const std::string& name) const {
+    auto json = nlohmann::json::parse(read_file(folder.file(name)));
+    for (const char* key : {"seconds", "cpu_seconds", "memory", "ranks", "command"}) json.erase(key);
+    return json;
+  }
+  /// A folder of tiles, each of other samples.
+  std::string tiles(int count) const {
+    const std::string all = folder.file("tiles");
+    std::filesystem::create_directory(all);
+    for (int k = 0; k < count; ++k) {
+      const std::string seed = std::to_string(k), samples = std::to_string(4000 + 3000 * (k % 3));
+      EXPECT_EQ(
+          run_process(program({"scan", "knot", "--samples", samples, "--seed", seed, "-o", folder.file(seed), "-q"}))
+              .exit_code,
+          0);
+      std::filesystem::rename(folder.file(seed) + "/samples.ply", all + "/tile_" + seed + ".ply");
+    }
+    return all;
+  }
   /// The files that are there, but for the scan.
   size_t files() const {
     size_t count = 0;
@@ -91,11 +111,6 @@ class Mpirun : public testing::Test {
 };
 
 TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
-  const auto report_of = [&](const std::string& name) {
-    auto json = nlohmann::json::parse(read_file(folder.file(name)));
-    for (const char* key : {"seconds", "cpu_seconds", "memory", "ranks", "command"}) json.erase(key);
-    return json;
-  };
   Words words = reconstruct("alone.ply");
   words.insert(words.end(), {"--report", folder.file("alone.json")});
   ASSERT_EQ(run_process(program(words)).exit_code, 0);
@@ -107,9 +122,58 @@ TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
     EXPECT_EQ(read_file(folder.file("mesh.ply")), read_file(folder.file("alone.ply")));
     EXPECT_EQ(report_of("mesh.json"), report_of("alone.json"));
     EXPECT_EQ(count_of(done.err, "triangles"), 1u) << "one process prints";
-    const auto of_ranks = nlohmann::json::parse(read_file(folder.file("mesh.json")))["ranks"];
+    const auto of_ranks = nlohmann::ordered_json::parse(read_file(folder.file("mesh.json")))["ranks"];
     ASSERT_EQ(of_ranks.size(), static_cast<size_t>(ranks));
-    for (const auto& rank : of_ranks) EXPECT_GT(rank["sent_bytes"].get<size_t>(), 1000000u) << "slabs had borders";
+    for (const auto& rank : of_ranks) {
+      EXPECT_GT(rank["sent_bytes"].get<size_t>(), 1000000u) << "slabs had borders";
+      EXPECT_EQ(rank["seconds"].items().begin().key(), "read");
+      EXPECT_LT(rank["exchange_share"].get<double>(), 1);
+    }
+  }
+}
+
+/// Each of which one process reads.
+TEST_F(Mpirun, TilesGiveTheBytesOfOneProcess) {
+  const std::string all = tiles(5);
+  std::ofstream(all + "/tile_5.ply") << "ply\nformat ascii 1.0\ncomment a tile of two samples\nelement vertex 3\n"
+                                        "property float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                                        "property float ny\nproperty float nz\nend_header\n"
+                                        "0.4 0 0 1 0 0\nnan 0 0 1 0 0\n0 0.4 0 nan 1 0\n";
+  const auto run_on = [&](const std::string& name, int ranks, const std::string& threads) {
+    const Words words{"reconstruct", all,     "-o",       folder.file(name + ".ply"), "--resolution", "60",
+                      "--threads",   threads, "--report", folder.file(name + ".json")};
+    const ProcessResult done = run_process(ranks == 1 ? program(words) : mpirun(ranks, words));
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return done;
+  };
+  const ProcessResult alone = run_on("alone", 1, "1");
+  EXPECT_EQ(count_of(alone.err, "1 of 32003 samples dropped"), 1u) << alone.err;
+  for (const int ranks : {2, 3, 4}) {
+    const ProcessResult done = run_on("mesh", ranks, ranks == 3 ? "2" : "1");
+    EXPECT_EQ(count_of(done.err, "samples dropped"), 1u) << done.err;
+    EXPECT_TRUE(read_file(folder.file("mesh.ply")) == read_file(folder.file("alone.ply"))) << ranks;
+    EXPECT_EQ(report_of("mesh.json"), report_of("alone.json")) << ranks;
+  }
+}
+
+TEST_F(Mpirun, OfBadTilesTheFirstIsNamed) {
+  const std::string all = tiles(5);
+  const auto expect_line = [&](const std::string& tile) {
+    const Words words{"reconstruct", all, "-o", folder.file("mesh.ply"), "--report", folder.file("mesh.json")};
+    const ProcessResult alone = run_process(program(words));
+    EXPECT_EQ(alone.exit_code, 2);
+    EXPECT_EQ(count_of(alone.err, all + "/" + tile + ":"), 1u) << alone.err;
+    for (const int ranks : {2, 4}) {
+      const ProcessResult refused = run_process(mpirun(ranks, words));
+      EXPECT_EQ(refused.exit_code, 2);
+      EXPECT_EQ(count_of(refused.err, alone.err), 1u) << refused.err << "instead of\n" << alone.err;
+      EXPECT_EQ(count_of(refused.err, "soapfilm: "), 1u) << refused.err;
+    }
+    EXPECT_EQ(files(), 0u);
+  };
+  for (const char* tile : {"tile_4.ply", "tile_2.ply", "tile_1.ply"}) {
+    std::filesystem::resize_file(all + "/" + tile, 5000);
+    expect_line(tile);
   }
 }
 
@@ -127,7 +191,7 @@ TEST_F(Mpirun, RefusesInOneLine) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(count_of(refused.err, "soapfilm: "), 1u) << refused.err;
   Words words = mpirun(1, reconstruct("m.ply", 100)), second = reconstruct("m.ply", 100);
-  second[1] = folder.file("none.ply");
+  second.insert(second.end(), {"--voxel", "-1"});
   words.insert(words.end(), {":", "-n", "1"});
   for (const std::string& word : program(second, SOAPFILM_MPI_PROGRAM)) words.push_back(word);
   const ProcessResult elsewhere = run_process(words);
@@ -140,24 +204,38 @@ TEST_F(Mpirun, RefusesInOneLine) {
 }
 
 TEST_F(Mpirun, RanksMustAgree) {
-  ASSERT_EQ(
-      run_process(program({"scan", "knot", "--samples", "60000", "--seed", "2", "-o", folder.file("other"), "-q"}))
-          .exit_code,
-      0);
-  Words words = mpirun(1, reconstruct("mesh.ply", 100)), second = reconstruct("mesh.ply", 100);
-  second[1] = folder.file("other") + "/samples.ply";
-  words.insert(words.end(), {":", "-n", "1"});
-  for (const std::string& word : program(second, SOAPFILM_MPI_PROGRAM)) words.push_back(word);
-  const ProcessResult samples = run_process(words);
-  EXPECT_EQ(samples.exit_code, 2);
-  EXPECT_EQ(count_of(samples.err, "rank 1 has other samples than rank 0"), 1u) << samples.err;
-
-  words = mpirun(1, reconstruct("mesh.ply", 100));
-  words.insert(words.end(), {":", "-n", "1"});
-  for (const std::string& word : program(reconstruct("mesh.ply", 101), SOAPFILM_MPI_PROGRAM)) words.push_back(word);
-  const ProcessResult parameters = run_process(words);
-  EXPECT_EQ(parameters.exit_code, 2);
-  EXPECT_EQ(count_of(parameters.err, "rank 1 has other parameters than rank 0"), 1u) << parameters.err;
+  const auto scan = [&](const std::string& to, const char* samples, const char* seed) {
+    ASSERT_EQ(run_process(program({"scan", "knot", "--samples", samples, "--seed", seed, "-o", folder.file(to), "-q"}))
+                  .exit_code,
+              0);
+  };
+  scan("other", "60000", "2");
+  scan("less", "50000", "2");
+  const auto in_folder = [&](const std::string& place, const Words& options) {
+    Words words{"-n", "1", "--wdir", folder.file(place)};
+    for (const std::string& word :
+         program({"reconstruct", "samples.ply", "-o", folder.file("mesh.ply"), "--resolution", "100", "--threads", "1"},
+                 SOAPFILM_MPI_PROGRAM))
+      words.push_back(word);
+    words.insert(words.end(), options.begin(), options.end());
+    return words;
+  };
+  const auto expect_line = [&](const std::string& line, const std::string& place, const Words& options) {
+    Words words{SOAPFILM_MPIRUN, "--allow-run-as-root", "--oversubscribe"};
+    for (const std::string& word : in_folder("scan", {})) words.push_back(word);
+    words.emplace_back(":");
+    for (const std::string& word : in_folder(place, options)) words.push_back(word);
+    const ProcessResult refused = run_process(words);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(count_of(refused.err, line), 1u) << refused.err;
+    EXPECT_EQ(count_of(refused.err, "soapfilm: "), 1u) << refused.err;
+  };
+  expect_line("soapfilm: rank 1 has other samples than rank 0: each needs the same", "other", {});
+  expect_line("soapfilm: rank 1 has other parameters than rank 0: each needs", "other", {"--lambda", "0.1"});
+  expect_line("soapfilm: rank 1 has other input files than rank 0: each needs", "scan", {"../less/samples.ply"});
+  expect_line("soapfilm: samples.ply: of this file rank 1 has ", "less", {});
+  std::filesystem::remove(folder.file("less") + "/samples.ply");
+  expect_line("soapfilm: samples.ply: of this file rank 1 has none, rank 0 ", "less", {});
   EXPECT_EQ(files(), 0u);
 }
 

@@ -1,9 +1,12 @@
 #include "soapfilm/core/ranks.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <numeric>
 
 #include "soapfilm/core/cpu_time.h"
+#include "soapfilm/error.h"
 
 namespace soapfilm {
 
@@ -55,6 +58,14 @@ void bring_all(Ranks& ranks, const std::vector<ItemRange>& owned, std::initializ
   ItemRange all;
   for (const ItemRange& part : owned) all.end = std::max(all.end, part.end);
   bring(ranks, owned, std::vector<ItemRange>(owned.size(), all), arrays);
+}
+
+void require_same(Ranks& ranks, const char* what, uint64_t own) {
+  const std::vector<uint64_t> all = of_all(ranks, own);
+  const auto other = std::find_if(all.begin(), all.end(), [&](uint64_t hash) { return hash != all[0]; });
+  if (other != all.end())
+    throw ParameterError(fmt::format("rank {} has other {} than rank 0: each needs the same command and the same files",
+                                     other - all.begin(), what));
 }
 
 }  // namespace soapfilm

@@ -94,4 +94,7 @@ std::vector<T> of_all(Ranks& ranks, const T& own) {
   return of_all(ranks, std::span<const T>(&own, 1));
 }
 
+/// Throws ParameterError, which names a rank that has another hash of `what` than rank 0, where one has.
+void require_same(Ranks& ranks, const char* what, uint64_t own);
+
 }  // namespace soapfilm

@@ -13,6 +13,7 @@
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/sets/input_files.h"
 #include "soapfilm/io/sets/read_each.h"
+#include "soapfilm/io/sets/shared_reading.h"
 #include "soapfilm/io/text/text.h"
 #include "soapfilm/platform/scratch.h"
 
@@ -105,9 +106,10 @@ PointCloud read_points(const std::vector<std::string>& given, ReadReport* report
   ReadReport& to_all = report != nullptr ? *report : unused;
   const std::vector<std::string> paths = io::input_files(given, to_all.warnings);
   refuse_unused(paths, options);
+  const std::vector<uint64_t> file_bytes = io::agreed_file_bytes(paths, options, context);
   if (paths.size() == 1) return read_points(paths.front(), report, context, options);
   const Context silent = silenced(context);
-  return io::read_each(paths.size(), to_all, context,
+  return io::read_each(file_bytes, to_all, context,
                        [&](size_t i, ReadReport& to) { return read_points(paths[i], &to, silent, options); });
 }
 

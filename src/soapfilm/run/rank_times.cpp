@@ -1,9 +1,12 @@
 #include "soapfilm/run/rank_times.h"
 
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/ranks.h"
+#include "soapfilm/run/details.h"
 
 namespace soapfilm {
 
@@ -30,6 +33,16 @@ std::vector<RankTimes> times_of_ranks(const std::vector<StageTime>& own, const C
     times[r].exchange_cpu_seconds = traffic[r].cpu_seconds;
   }
   return times;
+}
+
+void add_first_stages(const std::vector<RankTimes>& first, ReconstructReport& report) {
+  if (first.empty()) return;
+  auto details = std::make_shared<ReportDetails>(*report.details);
+  for (size_t r = 0; r < first.size(); ++r) {
+    std::vector<StageTime>& stages = details->ranks[r].stages;
+    stages.insert(stages.begin(), first[r].stages.begin(), first[r].stages.end());
+  }
+  report.details = std::move(details);
 }
 
 }  // namespace soapfilm

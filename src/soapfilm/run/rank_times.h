@@ -19,4 +19,7 @@ struct RankTimes {
 /// Of all ranks, on each, so far; empty where there are none.
 std::vector<RankTimes> times_of_ranks(const std::vector<StageTime>& own, const Context& context);
 
+/// What the ranks did before the run, `first`, is the first of what its report says of them.
+void add_first_stages(const std::vector<RankTimes>& first, ReconstructReport& report);
+
 }  // namespace soapfilm

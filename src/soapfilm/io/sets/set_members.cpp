@@ -11,6 +11,7 @@
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/meshes/face_normals.h"
 #include "soapfilm/io/sets/read_each.h"
+#include "soapfilm/io/sets/shared_reading.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
@@ -65,15 +66,18 @@ PointCloud read_members(const ByteSource& set, std::string_view keyword, const s
       throw InputError(fmt::format("{}: {} names {}, must be a name without control characters", set.path(), keyword,
                                    in_quotes(member.file)));
   const std::filesystem::path folder = std::filesystem::path(set.path()).parent_path();
+  std::vector<std::string> paths;
+  for (const SetMember& member : members) paths.push_back((folder / member.file).string());
+  const std::vector<uint64_t> file_bytes = agreed_file_bytes(paths, options, context);
   const Context silent = silenced(context);
-  return read_each(members.size(), report, context, [&](size_t i, ReadReport& to) {
+  return read_each(file_bytes, report, context, [&](size_t i, ReadReport& to) {
     const SetMember& member = members[i];
     if (is_set(member.file))
       throw InputError(
           fmt::format("{}: {} names {}, must be a scan, not a scan set", set.path(), keyword, in_quotes(member.file)));
     PointCloud cloud;
     try {
-      cloud = read_member((folder / member.file).string(), to, options, silent);
+      cloud = read_member(paths[i], to, options, silent);
     } catch (const InputError& error) {  // the user named the set
       throw InputError(set.path() + ": " + error.what());
     }
