@@ -251,7 +251,8 @@ TEST_F(ResumeOption, GoesOnAfterPagesWereLost) {
   }
   if (cut == 0) GTEST_SKIP() << "this file system has no files without a name";
   EXPECT_GT(ended, 0);
-  ASSERT_EQ(run(resuming(scratch)).exit_code, 0);
+  const ProcessResult last = run(resuming(scratch));
+  ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_TRUE(read_file(mesh) == whole);
   EXPECT_TRUE(std::filesystem::is_empty(scratch));
 }

@@ -17,6 +17,7 @@
 #include "soapfilm/error.h"
 #include "soapfilm/platform/new_file.h"
 #include "soapfilm/platform/scratch.h"
+#include "soapfilm/run/checked_file.h"
 #include "soapfilm/run/run.h"
 #include "soapfilm/run/stage_state.h"
 #include "soapfilm/version.h"
@@ -67,8 +68,14 @@ bool KeptStages::all_can(bool this_one) const {
 
 bool KeptStages::load(const std::string& stage, const std::function<void(std::istream&)>& read) {
   if (!on()) return false;
+  std::error_code unknown;
+  if (!all_can(fs::exists(file(stage), unknown))) return false;
+  const auto do_again = [&](const char* why) {
+    context_.progress().warn(fmt::format("{}: {}; the stage is done again", file(stage), why));
+    return false;
+  };
+  if (!all_can(is_whole(file(stage)))) return do_again("not as it was written");
   std::ifstream from(file(stage), std::ios::binary);
-  if (!all_can(from.is_open())) return false;
   const MemoryPlan before = memory_.plan();
   MemoryPlan plan;
   get(from, plan);
@@ -76,8 +83,7 @@ bool KeptStages::load(const std::string& stage, const std::function<void(std::is
   read(from);
   if (!all_can(!from.fail())) {
     memory_.take(before);
-    context_.progress().warn(fmt::format("{}: ends too early; the stage is done again", file(stage)));
-    return false;
+    return do_again("cannot be read");
   }
   context_.progress().info(fmt::format("resume: {} from {}", stage, file(stage)));
   return true;
@@ -86,14 +92,14 @@ bool KeptStages::load(const std::string& stage, const std::function<void(std::is
 bool KeptStages::could_save(const std::string& stage, const std::function<void(std::ostream&)>& write) {
   const std::string& folder = context_.state().scratch_folder;
   NewFile part(file(stage));
-  std::ofstream to(part.path(), std::ios::binary);
-  put(to, memory_.plan());
-  write(to);
-  to.close();
+  CheckedFile to(part.path());
+  put(to.stream(), memory_.plan());
+  write(to.stream());
+  const bool is_written = to.close();
   check_scratch_files(folder);
   const uint64_t arrays = memory_.planned_disk_bytes() / 2 * 3;  // what is planned may be a third too little
   const bool leaves_room = free_disk_bytes(folder) >= arrays;
-  return to && leaves_room && part.complete();
+  return is_written && leaves_room && part.complete();
 }
 
 void KeptStages::save(const std::string& stage, const std::function<void(std::ostream&)>& write) {

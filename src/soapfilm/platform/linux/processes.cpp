@@ -17,7 +17,10 @@ int processes_of_mpirun() {
 void become_program(const std::string& name, char** arguments) {
   std::error_code unknown;
   const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  if (!unknown) execv((own.parent_path() / name).c_str(), arguments);
+  if (!unknown)
+    execv((own.parent_path() / name).c_str(), arguments);
+  else
+    execvp(name.c_str(), arguments);  // /proc is missing, as where only the root folder was changed
 }
 
 }  // namespace soapfilm
