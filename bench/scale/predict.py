@@ -10,7 +10,7 @@ import marked
 
 MILLIONS = (100, 300, 1000)  # predicted
 GIB = 2**30
-HEAD = ("| points | | memory | disk | CPU | on one core | read from disk | triangles |\n"
+HEAD = ("| points | | memory | disk | CPU | elapsed | read from disk | triangles |\n"
         "|---|---|---|---|---|---|---|---|\n")
 
 
