@@ -133,7 +133,7 @@ PointCloud read_input(const ReconstructOptions& options, const std::vector<std::
 PointCloud read_alike(Ranks* ranks, const ReconstructOptions& options, const Context& context, ReadReport& read) {
   if (ranks) require_same_params(*ranks, options.params);
   PointCloud cloud = read_input(options, options.params.surface.attributes, context, read);
-  const bool read_by_each = options.inputs.size() == 1;  // each of several is read by one rank
+  const bool read_by_each = options.inputs.size() == 1;  // or a set, whose poses each has read
   if (ranks && read_by_each) require_same_samples(*ranks, cloud);
   return cloud;
 }

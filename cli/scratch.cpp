@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -19,6 +20,7 @@
 
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/io/formats.h"
+#include "soapfilm/io/sets/set_members.h"
 #include "soapfilm/io/text/text.h"
 #include "soapfilm/platform/memory.h"
 #include "soapfilm/platform/page_pool.h"
@@ -97,19 +99,25 @@ uint64_t file_bytes(const std::filesystem::path& file) {
   return unknown ? 0 : bytes;
 }
 
-/// How large the cloud of a file may become: 24 to 60 bytes a sample. A set's scans are mostly beside the set.
-uint64_t cloud_bytes(const std::filesystem::path& file) {
+/// How large the cloud of a file may become: 24 to 60 bytes a sample.
+uint64_t cloud_bytes(const std::string& file) {
   constexpr uint64_t growth = 5;              // from 12 bytes a sample or more
   constexpr uint64_t compressed_growth = 20;  // LAZ: from 3
-  const io::Format* const format = io::format_of_extension(file.string());
-  if (!format || !format->names_files())
-    return file_bytes(file) * (io::lower_case(file.extension().string()) == ".laz" ? compressed_growth : growth);
-  uint64_t beside = 0;
-  std::error_code unknown;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::absolute(file).parent_path(), unknown))
-    if (const io::Format* one = io::format_of_extension(entry.path().string()); one && !one->names_files())
-      beside += cloud_bytes(entry.path());
-  return beside;
+  const io::Format* const format = io::format_of_extension(file);
+  if (!format || !format->names_files()) {
+    const std::string extension = io::lower_case(std::filesystem::path(file).extension().string());
+    return file_bytes(file) * (extension == ".laz" ? compressed_growth : growth);
+  }
+  uint64_t sum = 0;
+  try {
+    io::ByteSource set(file);
+    ReadReport unused;
+    for (const std::string& member : io::member_paths(set, format->members(set, unused)))
+      if (const io::Format* const one = io::format_of_extension(member); !one || !one->names_files())
+        sum += cloud_bytes(member);
+  } catch (const std::exception&) {  // reading says it
+  }
+  return sum;
 }
 
 }  // namespace

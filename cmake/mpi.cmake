@@ -12,5 +12,6 @@ set_target_properties(soapfilm_mpi_cli PROPERTIES OUTPUT_NAME soapfilm-mpi)
 target_compile_definitions(soapfilm_mpi_cli PRIVATE SOAPFILM_MPI)
 target_link_libraries(soapfilm_mpi_cli PRIVATE soapfilm_commands soapfilm_mpi)
 install(TARGETS soapfilm_mpi_cli COMPONENT mpi)
-configure_file(${PROJECT_SOURCE_DIR}/packaging/debian/soapfilm-mpi.1.in ${PROJECT_BINARY_DIR}/generated/soapfilm-mpi.1 @ONLY)
+configure_file(${PROJECT_SOURCE_DIR}/packaging/debian/soapfilm-mpi.1.in ${PROJECT_BINARY_DIR}/generated/soapfilm-mpi.1
+  @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/generated/soapfilm-mpi.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT mpi)

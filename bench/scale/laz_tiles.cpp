@@ -14,12 +14,12 @@ int main(int count, char** arguments) {
     const std::filesystem::path las = arguments[i];
     std::ifstream in(las, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    const std::string laz = soapfilm::LazFile(bytes, {}).bytes();
+    const std::string laz = bytes.starts_with("LASF") ? soapfilm::LazFile(bytes, {}).bytes() : "";
     std::ofstream out(std::filesystem::path(las).replace_extension(".laz"), std::ios::binary);
     out.write(laz.data(), static_cast<std::streamsize>(laz.size()));
     out.close();
-    if (!in || !out) {
-      fmt::print(stderr, "{}: cannot be read, or its LAZ file written\n", las.string());
+    if (laz.empty() || !out) {
+      fmt::print(stderr, "{}: no LAS file, or its LAZ file cannot be written\n", las.string());
       return 1;
     }
   }

@@ -49,7 +49,7 @@ class Differences:
         run = subprocess.run(list(map(str, words)), capture_output=True, text=True,
                              preexec_fn=group.join if group else None)
         self.was_on_disk = "on disk in" in run.stderr
-        needed = re.search(r"needs? about ([\d.]+) (MiB|GiB), --memory is", run.stderr)
+        needed = re.search(r"needs? about ([\d.]+) (MiB|GiB), (?:--memory|free memory) is", run.stderr)
         if needed and run.returncode == 2 and not mesh.exists():
             self.least = float(needed[1]) * (MIB if needed[2] == "MiB" else 1024 * MIB)
             return None
@@ -93,8 +93,10 @@ class Differences:
         whole = self.used
         for k, part in enumerate(PARTS):
             group = scratch.Group(whole // part)
-            self.compare(f"finer, 1/{part}", [], *voxel, "--scratch", self.scratch, "--threads", 1 + k % 2, group=group)
-            group.remove()
+            try:
+                self.compare(f"finer, 1/{part}", [], *voxel, "--scratch", self.scratch, "--threads", 1 + k % 2, group=group)
+            finally:
+                group.remove()
 
 
 def main():

@@ -6,6 +6,7 @@ its large arrays on disk. PAGE gets the row. The
 error is that of the mesh's vertices from the terrain, along z, where no house is near."""
 import json
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -101,7 +102,10 @@ def main():
     per_side = max(1, round(np.sqrt(millions * 1e6) * SPACING / TILE))
     total = (per_side * round(TILE / SPACING)) ** 2
     if not tiles.exists():
-        write_tiles(tiles, per_side, laz_writer)
+        begun = tiles.with_name(tiles.name + "-begun")
+        shutil.rmtree(begun, ignore_errors=True)
+        write_tiles(begun, per_side, laz_writer)
+        begun.rename(tiles)
     disk.mkdir(exist_ok=True)
     run = scratch.measured([program, "reconstruct", tiles, "-o", work / "mesh.ply", "--voxel", voxel, "--scratch", disk,
                             "--split", "auto", "--report", work / "report.json"], int(memory * 1e9))

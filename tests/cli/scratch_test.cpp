@@ -92,13 +92,15 @@ TEST(MakeRoom, KnowsHowLargeACloudBecomes) {
     std::filesystem::remove(folder.file(name));
     return moved;
   };
-  std::ofstream(folder.file("scans.conf")) << "bmesh scan.ply 0 0 0 0 0 0 1\n";
+  std::filesystem::create_directories(folder.file("in"));
+  std::ofstream(folder.file("scans.conf")) << "bmesh in/scan.ply 0 0 0 0 0 0 1\n";
   constexpr uintmax_t small = 3 << 20, large = 12 << 20;
   EXPECT_FALSE(moves("tile.las", small, "tile.las"));
   EXPECT_TRUE(moves("tile.las", large, "tile.las"));
   EXPECT_TRUE(moves("tile.laz", small, "tile.laz")) << "compressed";
-  EXPECT_FALSE(moves("scan.ply", small, "scans.conf"));
-  EXPECT_TRUE(moves("scan.ply", large, "scans.conf")) << "the set itself is small";
+  EXPECT_FALSE(moves("in/scan.ply", small, "scans.conf"));
+  EXPECT_TRUE(moves("in/scan.ply", large, "scans.conf")) << "the set itself is small";
+  EXPECT_FALSE(moves("other.ply", large, "scans.conf")) << "not of the set";
 }
 
 TEST_F(ScratchOption, RefusesAFolderThatIsNone) {

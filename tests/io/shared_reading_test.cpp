@@ -264,10 +264,6 @@ TEST_F(SharedReading, ErrorsStayWhatTheyAre) {
 
 TEST_F(SharedReading, RanksMustHaveTheSameFiles) {
   tiles(3);
-  for (const std::string name : {"other/tile_0.ply", "other/tile_1.ply", "other/tile_2.ply"}) {
-    std::filesystem::create_directories(folder / "other");
-    std::filesystem::copy_file(folder / name.substr(6), folder / name);
-  }
   const auto expect_line = [&](const std::function<void(const Context&)>& read) {
     const std::vector<std::string> lines =
         on_ranks<std::string>(3, 1, any_cuts, [&](const Context& context) -> std::string {

@@ -37,7 +37,7 @@ struct Kept : testing::Test {
 TEST_F(Kept, IsWholeAsItWasWritten) {
   for (const size_t bytes : {0u, 1u, 8u, 77777u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, 3u << 20}) {
     write(bytes);
-    EXPECT_TRUE(is_whole(path)) << bytes;
+    EXPECT_TRUE(is_whole(path, Context(1))) << bytes;
   }
 }
 
@@ -46,17 +46,17 @@ TEST_F(Kept, IsNotWholeWhereBytesAreLostOrChanged) {
   for (const size_t at : {size_t{0}, bytes / 2, bytes - 1, bytes, bytes + 7}) {
     write(bytes);
     change(at);
-    EXPECT_FALSE(is_whole(path)) << at;
+    EXPECT_FALSE(is_whole(path, Context(1))) << at;
   }
   for (const size_t left : {size_t{0}, size_t{7}, size_t{1} << 20, bytes, bytes + 7}) {
     write(bytes);
     std::filesystem::resize_file(path, left);
-    EXPECT_FALSE(is_whole(path)) << left;
+    EXPECT_FALSE(is_whole(path, Context(1))) << left;
   }
   write(bytes);  // lost while it was written: the system puts zeros there
   std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).write(std::string(4096, '\0').data(), 4096);
-  EXPECT_FALSE(is_whole(path));
-  EXPECT_FALSE(is_whole(folder.file("absent")));
+  EXPECT_FALSE(is_whole(path, Context(1)));
+  EXPECT_FALSE(is_whole(folder.file("absent"), Context(1)));
 }
 
 TEST_F(Kept, SaysWhereNothingCanBeWritten) {

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <string>
 
 #include "soapfilm/context.h"
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/error.h"
 #include "soapfilm/run/memory_plan.h"
 
 namespace soapfilm {
@@ -49,6 +52,41 @@ TEST_F(ScratchTrafficOf, GrowsWithWhatMemoryHasNoRoomFor) {
   // The refinement reads all of its arrays in each of some dozens of passes, the solve in a few.
   EXPECT_GT(before, 10 * 900 * mib);
   EXPECT_LT(before, 100 * 900 * mib);
+}
+
+TEST_F(ScratchTrafficOf, ACheckedMeshStaysInSmallParts) {
+  context.state().move_vectors = [](const std::string&) {};
+  params.checked = true;
+  MemoryPlan plan = large_plan();
+  plan.mesh = {4000 * mib, 1};
+  EXPECT_LT(ScratchBudget(params, context).resident_part(plan).mesh.bytes, 400 * mib);
+  plan.mesh = {10 * mib, 1};
+  EXPECT_EQ(ScratchBudget(params, context).resident_part(plan).mesh.bytes, 10 * mib);
+}
+
+/// Whether a run that is on disk goes on, whose mesh needs a certain part of what it has.
+bool goes_on(double part) {
+  constexpr uint64_t sample = 45, room = 100 * mib;
+  Context context(1);
+  context.set_scratch_folder("/tmp");
+  context.state().move_vectors = [](const std::string&) {};
+  context.limit_memory(room);
+  const ReconstructParams params;
+  MemoryBudget budget(params, PointCloud{}, AfterPlacing::freed, context);
+  constexpr double share = 0.05;  // of what stays in memory
+  try {
+    budget.plan_mesh({}, static_cast<uint64_t>(part / share * static_cast<double>(room) / sample), context);
+  } catch (const MemoryError&) {
+    return false;
+  }
+  EXPECT_GT(budget.planned_disk_bytes(), 5 * room);
+  return true;
+}
+
+TEST(LateInARunOnDisk, AGuessALittleAboveTheMemoryDoesNotEndIt) {
+  EXPECT_TRUE(goes_on(0.7));
+  EXPECT_TRUE(goes_on(1.05));
+  EXPECT_FALSE(goes_on(1.5));
 }
 
 }  // namespace TEST_FILE

@@ -87,14 +87,14 @@ class MeshParts {
     return {mesh_, frame_, begin, std::min(mesh_.triangles.size(), begin + part_triangles_), context_};
   }
 
-  /// Not more than to any of the part's triangles, as they are measured.
+  /// Less than to any of the part's triangles, as they are measured: that rounds parts of the coordinates' size.
   double least_distance(size_t part, Vec3d relative) const {
-    constexpr double rounding = 1 - 1e-12;
+    constexpr double rounding = 1e-12;
     const Box3d& box = boxes_[part];
     Vec3d apart;
     for (int axis = 0; axis < 3; ++axis)
       apart[axis] = std::max({box.lo[axis] - relative[axis], relative[axis] - box.hi[axis], 0.0});
-    return norm(apart) * rounding;
+    return norm(apart) - rounding * (norm(relative) + 1 / frame_.to_unit);
   }
   size_t nearest(Vec3d relative) const {
     size_t best = 0;

@@ -9,13 +9,15 @@
 #include "soapfilm/io/bytes/atomic_file.h"
 #include "soapfilm/io/bytes/byte_source.h"
 #include "soapfilm/io/point_stream.h"
+#include "soapfilm/io/sets/set_members.h"
 
 namespace soapfilm::io {
 
 /// What a format can do; null where it cannot.
 struct Format {
-  std::string_view extensions;                         ///< with dots, separated by spaces; compared without case
-  std::string_view uses{};                             ///< fields of ReadOptions, or "all": files that name others
+  std::string_view extensions;  ///< with dots, separated by spaces; compared without case
+  std::string_view uses{};      ///< fields of ReadOptions, or "all"
+  std::vector<SetMember> (*members)(ByteSource& source, ReadReport& report) = nullptr;  ///< of a file that names others
   bool (*begins)(const ByteSource& source) = nullptr;  ///< is a file of any name known by how it begins?
   bool (*has_faces)(ByteSource& source) = nullptr;     ///< of a format of clouds and meshes, which is it?
   /// In blocks, without all of the file in memory, as far as a file does not say at its end what its samples are.
@@ -31,8 +33,8 @@ struct Format {
                             const Context& context) = nullptr;
 
   bool reads_points() const { return stream_points || read_points; }
-  bool takes(std::string_view option) const { return uses == option || names_files(); }
-  bool names_files() const { return uses == "all"; }
+  bool takes(std::string_view option) const { return uses == option || uses == "all"; }
+  bool names_files() const { return members != nullptr; }
 };
 
 /// Null where there is none.

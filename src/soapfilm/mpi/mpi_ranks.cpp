@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <thread>
 #include <utility>
@@ -169,7 +170,8 @@ void MpiRanks::stop(size_t receives) {
     MPI_Testall(static_cast<int>(receives), open.data(), &done, MPI_STATUSES_IGNORE);
     look_for_failures();
     if (done && std::find(world_->stopped.begin(), world_->stopped.end(), false) == world_->stopped.end()) break;
-    if (std::chrono::steady_clock::now() - begin > longest_wait) MPI_Abort(MPI_COMM_WORLD, 1);
+    // The rank that failed waits for a shorter time: it has the line.
+    if (std::chrono::steady_clock::now() - begin > longest_wait * 5 / 4) abort({});
     patience.wait();
   }
   open.erase(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(receives));
@@ -197,7 +199,7 @@ MpiRanks::End MpiRanks::leave(const End& own) {
     if (done && std::find(world_->ended.begin(), world_->ended.end(), false) == world_->ended.end()) break;
     const auto now = std::chrono::steady_clock::now();
     if ((world_->failed || own.code != 0) && failed_at > now) failed_at = now;
-    if (now > failed_at && now - failed_at > longest_wait) MPI_Abort(MPI_COMM_WORLD, own.code != 0 ? own.code : 1);
+    if (now > failed_at && now - failed_at > longest_wait) abort(own);
     patience.wait();
   }
   // What was on its way when a rank gave up is of no use any more.
@@ -206,6 +208,11 @@ MpiRanks::End MpiRanks::leave(const End& own) {
       MPI_Cancel(&request);
       MPI_Request_free(&request);
     }
+  return first_failure(own);
+}
+
+/// Of those whose end is known.
+MpiRanks::End MpiRanks::first_failure(const End& own) const {
   End first = own;
   for (int r = count(); r-- > 0;) {
     const EndMessage& other = world_->end_messages[static_cast<size_t>(r)];
@@ -213,6 +220,14 @@ MpiRanks::End MpiRanks::leave(const End& own) {
     if (other.code != 0 && !other.followed) first = {other.code, whose + other.line, false};
   }
   return first;
+}
+
+/// Where a rank does not answer, as it does something long, nobody else may be left to print the line.
+void MpiRanks::abort(const End& own) const {
+  const End first = first_failure(own);
+  if (!first.line.empty()) std::fprintf(stderr, "soapfilm: %s\n", first.line.c_str());
+  MPI_Abort(MPI_COMM_WORLD, first.code != 0 ? first.code : 1);
+  std::_Exit(1);  // it does not return
 }
 
 void MpiRanks::close() {

@@ -44,6 +44,8 @@ class MpiRanks final : public Ranks {
   void look_for_failures();
   void complete_open();
   void stop(size_t receives);
+  End first_failure(const End& own) const;
+  [[noreturn]] void abort(const End& own) const;
 
   std::unique_ptr<World> world_;
 };

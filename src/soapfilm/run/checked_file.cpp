@@ -42,7 +42,7 @@ bool CheckedFile::close() {
   return stream_ && file_;
 }
 
-bool is_whole(const std::string& path) {
+bool is_whole(const std::string& path, const Context& context) {
   std::error_code error;
   const uintmax_t bytes = std::filesystem::file_size(path, error);
   uint64_t number = 0;
@@ -51,6 +51,7 @@ bool is_whole(const std::string& path) {
   std::vector<char> block(block_bytes);
   Hash hash;
   for (uintmax_t left = bytes - sizeof number; left > 0;) {
+    context.check();
     const auto size = static_cast<size_t>(std::min<uintmax_t>(left, block_bytes));
     if (!file.read(block.data(), static_cast<std::streamsize>(size))) return false;
     hash.add(std::string_view(block.data(), size));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "soapfilm/context.h"
 #include "soapfilm/core/hash.h"
 
 namespace soapfilm {
@@ -31,7 +32,7 @@ class CheckedFile : private std::streambuf {
   std::ostream stream_;
 };
 
-/// Reads all of it.
-bool is_whole(const std::string& path);
+/// Reads all of it. Throws Cancelled.
+bool is_whole(const std::string& path, const Context& context);
 
 }  // namespace soapfilm

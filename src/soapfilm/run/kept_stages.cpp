@@ -59,31 +59,36 @@ KeptStages::KeptStages(const PointCloud& cloud, const ReconstructParams& params,
 
 std::string KeptStages::file(const std::string& stage) const { return prefix_ + stage + ending; }
 
-bool KeptStages::all_can(bool this_one) const {
+int KeptStages::first_that_cannot(bool this_one) const {
   Ranks* const ranks = ranks_of(context_);
-  if (!ranks) return this_one;
+  if (!ranks) return this_one ? -1 : 0;
   const std::vector<uint8_t> all = of_all(*ranks, static_cast<uint8_t>(this_one));
-  return std::find(all.begin(), all.end(), 0) == all.end();
+  const auto first = std::find(all.begin(), all.end(), 0);
+  return first == all.end() ? -1 : static_cast<int>(first - all.begin());
 }
 
 bool KeptStages::load(const std::string& stage, const std::function<void(std::istream&)>& read) {
   if (!on()) return false;
   std::error_code unknown;
-  if (!all_can(fs::exists(file(stage), unknown))) return false;
-  const auto do_again = [&](const char* why) {
-    context_.progress().warn(fmt::format("{}: {}; the stage is done again", file(stage), why));
+  if (first_that_cannot(fs::exists(file(stage), unknown)) >= 0) return false;
+  const auto do_again = [&](int rank, const char* why) {
+    const Ranks* const ranks = ranks_of(context_);
+    const std::string whose =
+        ranks && ranks->rank() != rank ? fmt::format("stage {} of rank {}", stage, rank) : file(stage);
+    context_.progress().warn(fmt::format("{}: {}; the stage is done again", whose, why));
     return false;
   };
-  if (!all_can(is_whole(file(stage)))) return do_again("not as it was written");
   std::ifstream from(file(stage), std::ios::binary);
+  if (const int rank = first_that_cannot(from.is_open() && is_whole(file(stage), context_)); rank >= 0)
+    return do_again(rank, "not as it was written");
   const MemoryPlan before = memory_.plan();
   MemoryPlan plan;
   get(from, plan);
   if (from) memory_.take(plan);
   read(from);
-  if (!all_can(!from.fail())) {
+  if (const int rank = first_that_cannot(!from.fail()); rank >= 0) {
     memory_.take(before);
-    return do_again("cannot be read");
+    return do_again(rank, "cannot be read");
   }
   context_.progress().info(fmt::format("resume: {} from {}", stage, file(stage)));
   return true;

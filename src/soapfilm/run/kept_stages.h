@@ -34,8 +34,8 @@ class KeptStages {
  private:
   bool on() const { return !prefix_.empty(); }
   std::string file(const std::string& stage) const;
-  /// Whether all ranks can.
-  bool all_can(bool this_one) const;
+  /// The first rank that cannot, or -1.
+  int first_that_cannot(bool this_one) const;
   /// read(archive) from the stage's file, if there is one.
   bool load(const std::string& stage, const std::function<void(std::istream&)>& read);
   bool could_save(const std::string& stage, const std::function<void(std::ostream&)>& write);

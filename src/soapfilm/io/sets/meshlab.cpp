@@ -7,7 +7,6 @@
 #include "soapfilm/core/placement.h"
 #include "soapfilm/error.h"
 #include "soapfilm/io/e57/xml.h"
-#include "soapfilm/io/sets/set_members.h"
 #include "soapfilm/io/text/text.h"
 
 namespace soapfilm::io {
@@ -149,14 +148,16 @@ class AlnReader {
 
 }  // namespace
 
+std::vector<SetMember> mlp_members(ByteSource& source, ReadReport& report) { return MlpReader(source, report).read(); }
+
+std::vector<SetMember> aln_members(ByteSource& source, ReadReport& /*report*/) { return AlnReader(source).read(); }
+
 PointCloud read_mlp(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
-  const std::vector<SetMember> members = MlpReader(source, report).read();
-  return read_members(source, "MLMesh", members, report, options, context);
+  return read_members(source, "MLMesh", mlp_members(source, report), report, options, context);
 }
 
 PointCloud read_aln(ByteSource& source, ReadReport& report, const ReadOptions& options, const Context& context) {
-  const std::vector<SetMember> members = AlnReader(source).read();
-  return read_members(source, "the alignment", members, report, options, context);
+  return read_members(source, "the alignment", aln_members(source, report), report, options, context);
 }
 
 }  // namespace soapfilm::io

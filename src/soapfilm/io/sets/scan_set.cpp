@@ -92,8 +92,7 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
   write_text_file(path, text);
 }
 
-PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const ReadOptions& options,
-                                    const Context& context) {
+std::vector<io::SetMember> io::scan_set_members(ByteSource& source, ReadReport& report) {
   std::vector<SetMember> members;
   for (const ScanSetEntry& entry : parse_scan_set(source, report))
     members.push_back({entry.file, [pose = entry.pose](PointCloud& cloud) {
@@ -102,7 +101,12 @@ PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, cons
                              scan.view_direction = Vec3d{0, 0, 1};
                          apply_pose(pose, cloud);
                        }});
-  return read_members(source, "bmesh", members, report, options, context);
+  return members;
+}
+
+PointCloud io::read_scan_set_points(ByteSource& source, ReadReport& report, const ReadOptions& options,
+                                    const Context& context) {
+  return read_members(source, "bmesh", scan_set_members(source, report), report, options, context);
 }
 
 }  // namespace soapfilm

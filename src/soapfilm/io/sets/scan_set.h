@@ -9,6 +9,7 @@
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
 #include "soapfilm/io/bytes/byte_source.h"
+#include "soapfilm/io/sets/set_members.h"
 
 namespace soapfilm {
 
@@ -39,6 +40,8 @@ void write_scan_set(const std::string& path, const std::vector<ScanSetEntry>& en
 void apply_pose(const ScanPose& pose, PointCloud& cloud);
 
 namespace io {
+
+std::vector<SetMember> scan_set_members(ByteSource& source, ReadReport& report);
 
 /// All scans of the set, posed. A scan without a sensor position or a viewing direction of its own was seen along its
 /// local +Z axis: its viewing direction becomes R (0, 0, 1).

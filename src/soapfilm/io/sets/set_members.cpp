@@ -58,6 +58,13 @@ PointCloud read_member(const std::string& path, ReadReport& report, const ReadOp
 
 }  // namespace
 
+std::vector<std::string> member_paths(const ByteSource& set, const std::vector<SetMember>& members) {
+  const std::filesystem::path folder = std::filesystem::path(set.path()).parent_path();
+  std::vector<std::string> paths;
+  for (const SetMember& member : members) paths.push_back((folder / member.file).string());
+  return paths;
+}
+
 PointCloud read_members(const ByteSource& set, std::string_view keyword, const std::vector<SetMember>& members,
                         ReadReport& report, const ReadOptions& options, const Context& context) {
   // They would break the one line of a message.
@@ -65,9 +72,7 @@ PointCloud read_members(const ByteSource& set, std::string_view keyword, const s
     if (std::any_of(member.file.begin(), member.file.end(), is_control))
       throw InputError(fmt::format("{}: {} names {}, must be a name without control characters", set.path(), keyword,
                                    in_quotes(member.file)));
-  const std::filesystem::path folder = std::filesystem::path(set.path()).parent_path();
-  std::vector<std::string> paths;
-  for (const SetMember& member : members) paths.push_back((folder / member.file).string());
+  const std::vector<std::string> paths = member_paths(set, members);
   const std::vector<uint64_t> file_bytes = agreed_file_bytes(paths, options, context);
   const Context silent = silenced(context);
   return read_each(file_bytes, report, context, [&](size_t i, ReadReport& to) {

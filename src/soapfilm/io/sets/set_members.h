@@ -17,6 +17,9 @@ struct SetMember {
   std::function<void(PointCloud&)> place;  ///< moves the scan to its place; called on any thread
 };
 
+/// With the set's folder.
+std::vector<std::string> member_paths(const ByteSource& set, const std::vector<SetMember>& members);
+
 /// All members as scans of one cloud, in order. Of a file that is only a mesh the vertices are samples. Throws
 /// InputError, naming the set, for a member that is a set itself; `keyword` is what names members in it.
 PointCloud read_members(const ByteSource& set, std::string_view keyword, const std::vector<SetMember>& members,

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <system_error>
@@ -156,7 +158,7 @@ void append_round(const Round& round, OwnFiles& own, Ranks& ranks, PointCloud& a
 
 constexpr uint64_t no_file = UINT64_MAX;
 
-/// Of what is read, but for what is in it.
+/// Of what is read, but for what is in it: samples follow from all of a trajectory.
 uint64_t hash_of(const std::vector<std::string>& paths, const ReadOptions& options) {
   const auto& [columns, trajectory, trust_viewpoint, attributes, spacing] = options;
   Hash hash;
@@ -164,6 +166,8 @@ uint64_t hash_of(const std::vector<std::string>& paths, const ReadOptions& optio
   for (const std::string& path : paths) hash.add(path);
   hash.add(columns);
   hash.add(trajectory);
+  std::ifstream path(trajectory, std::ios::binary);
+  hash.add(std::string(std::istreambuf_iterator<char>(path), {}));
   hash.add(trust_viewpoint);
   for (const std::string& name : attributes) hash.add(name);
   hash.add(spacing);
