@@ -21,6 +21,7 @@
 #include "cli/ranks.h"
 #include "cli/refusal.h"
 #include "cli/standard_streams.h"
+#include "cli/terminal.h"
 #include "cli/version_page.h"
 #include "soapfilm/core/printable.h"
 #include "soapfilm/error.h"
@@ -166,6 +167,7 @@ extern "C" void end_for_lost_page(int) {
 int program(int argc, char** argv) {
   on_lost_page(end_for_lost_page);
   const std::shared_ptr<Ranks> ranks = join_ranks();
+  if (ranks) outlive_signals_after_runs();  // they end together: what all have finished is not lost by one of them
   Ending ending = ending_of(argc, argv, ranks);
   if (ranks) ending = leave_ranks(*ranks, ending);
   if (!ending.line.empty() && (!ranks || ranks->rank() == 0)) print(stderr, fmt::format("soapfilm: {}\n", ending.line));

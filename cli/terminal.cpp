@@ -42,6 +42,11 @@ extern "C" void cancel_live_progress(int) {
   on_interrupt(clean_up_and_die);
 }
 
+extern "C" void pass_over(int) {}
+
+/// Between runs; null: a signal ends the program.
+std::atomic<void (*)(int)> idle_handler{nullptr};
+
 std::string bar(double fraction) {
   const auto full = static_cast<size_t>(std::lround(fraction * bar_width));
   return "[" + std::string(full, '#') + std::string(bar_width - full, '-') + "]";
@@ -49,13 +54,15 @@ std::string bar(double fraction) {
 
 }  // namespace
 
+void outlive_signals_after_runs() { idle_handler = pass_over; }
+
 CancelOnSignal::CancelOnSignal(Progress& progress) {
   live_progress = &progress;
   on_interrupt(cancel_live_progress);
 }
 
 CancelOnSignal::~CancelOnSignal() {
-  on_interrupt(nullptr);
+  on_interrupt(idle_handler.load());
   live_progress = nullptr;
 }
 

@@ -22,6 +22,9 @@ class CancelOnSignal {
   CancelOnSignal& operator=(const CancelOnSignal&) = delete;
 };
 
+/// From now on a signal that comes when none lives any more is passed over; before the first one it ends the program.
+void outlive_signals_after_runs();
+
 /// Writes stages, facts and warnings to `out`; Ctrl-C cancels it while it lives.
 ///
 /// On a terminal the current stage is a line that is redrawn at most 20 times a second:

@@ -206,5 +206,18 @@ TEST(CancelOnSignalDeathTest, WithoutItASignalKills) {
   EXPECT_EXIT(raise(SIGINT), testing::KilledBySignal(SIGINT), "");
 }
 
+TEST(CancelOnSignalDeathTest, AProgramMayOutliveSignalsAfterARun) {
+  const auto asked_after_a_run = [] {
+    outlive_signals_after_runs();
+    {
+      Progress progress;
+      const CancelOnSignal cancel(progress);
+    }
+    raise(SIGTERM);
+    std::_Exit(7);
+  };
+  EXPECT_EXIT(asked_after_a_run(), testing::ExitedWithCode(7), "");
+}
+
 }  // namespace TEST_FILE
 }  // namespace soapfilm::cli
