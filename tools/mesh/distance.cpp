@@ -134,10 +134,11 @@ std::vector<double> distances_by_parts(const std::vector<Vec3d>& points, const M
       size_t last = end;
       for (size_t i = begin; i < end; ++i) {
         if (!needs(i)) continue;
+        // The triangle closest to the previous point is no farther than this.
         const double near = last < end ? distances[last] + norm(points[i] - points[last]) : infinity;
-        const double limit = std::min(distances[i], first[i] == part ? near : infinity);
+        const double limit = std::min(distances[i], near);
         distances[i] = std::min(distances[i], tree.search(parts.relative(points[i]), limit).distance);
-        if (first[i] == part) last = i;
+        last = i;
       }
     });
   };

@@ -23,6 +23,20 @@ class EmbreeScene {
   RTCDevice device() const { return device_.get(); }
   RTCScene get() const { return scene_.get(); }
 
+  /// The only geometry of a scene: `count` items of `self`, known by their bounds and judged by visit() where a query
+  /// comes near; `self` must stay where it is. Then commits.
+  void build(void* self, size_t count, RTCBoundsFunction bounds, RTCPointQueryFunction visit, const Context& context) {
+    const RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(count));
+    rtcSetGeometryUserData(geometry, self);
+    rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
+    rtcSetGeometryPointQueryFunction(geometry, visit);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(get(), geometry);
+    rtcReleaseGeometry(geometry);
+    commit(context);
+  }
+
   /// Builds the tree with the threads of `context`. Throws std::runtime_error when Embree cannot (out of memory).
   void commit(const Context& context) {
     confine(context, [this] { rtcJoinCommitScene(scene_.get()); });

@@ -41,7 +41,7 @@ class PairSearch {
       const LatticeTriangle corners{points[t[0]], points[t[1]], points[t[2]]};
       if (!is_flat(corners)) triangles_.push_back(corners);
     }
-    if (!triangles_.empty()) build(context);
+    if (!triangles_.empty()) scene_.build(this, triangles_.size(), give_bounds, judge, context);
   }
 
   size_t size() const { return triangles_.size(); }
@@ -102,18 +102,6 @@ class PairSearch {
     const LatticeTriangle& b = visit.self->triangles_[args->primID];
     if (!disjoint(a, b) && improperly_meet(a, b)) ++visit.met;
     return false;  // the search radius stays
-  }
-
-  void build(const Context& context) {
-    const RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles_.size()));
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryBoundsFunction(geometry, give_bounds, nullptr);
-    rtcSetGeometryPointQueryFunction(geometry, judge);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_.get(), geometry);
-    rtcReleaseGeometry(geometry);
-    scene_.commit(context);
   }
 
   std::vector<LatticeTriangle> triangles_;

@@ -81,15 +81,7 @@ TriangleTree::TriangleTree(const Mesh& mesh, const TreeFrame& frame, size_t begi
     : to_unit_(frame.to_unit), first_(begin), triangles_(end - begin) {
   for (size_t i = begin; i < end; ++i)
     for (int k = 0; k < 3; ++k) triangles_[i - begin][k] = frame.corner(mesh, i, k);
-  const RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles_.size()));
-  rtcSetGeometryUserData(geometry, this);
-  rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
-  rtcSetGeometryPointQueryFunction(geometry, visit);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_.get(), geometry);
-  rtcReleaseGeometry(geometry);
-  scene_.commit(context);
+  scene_.build(this, triangles_.size(), bounds, visit, context);
 }
 
 /// Radius of the search in float that certainly reaches everything within `distance` of `point`: the point is rounded
