@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/core/hash.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/files.h"
 #include "soapfilm/platform/memory.h"
 #include "soapfilm/platform/processes.h"
 #ifdef SOAPFILM_MPI
@@ -30,9 +31,23 @@ Ending leave_ranks(Ranks& ranks, const Ending& own) {
 
 void close_ranks(Ranks& ranks) { static_cast<MpiRanks&>(ranks).close(); }
 
+namespace {
+
+/// mpirun ends all ranks when one of them was killed, and does not wait long for them: what it has left goes first.
+void end_if_cancelled(const Context& context) {
+  try {
+    context.check();
+  } catch (const Cancelled&) {
+    remove_temporary_files();
+    throw;
+  }
+}
+
+}  // namespace
+
 void share_run(const std::shared_ptr<Ranks>& ranks, Context& context) {
   auto& processes = static_cast<MpiRanks&>(*ranks);
-  processes.while_waiting = [&context] { context.check(); };
+  processes.while_waiting = [&context] { end_if_cancelled(context); };
   const size_t free = available_memory_bytes() / static_cast<size_t>(processes.on_this_machine());
   const std::vector<size_t> rooms = of_all(*ranks, context.memory_limit().value_or(free));
   context.limit_memory(*std::min_element(rooms.begin(), rooms.end()));

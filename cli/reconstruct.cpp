@@ -34,6 +34,7 @@
 #include "soapfilm/core/stages.h"
 #include "soapfilm/finish/self_check.h"
 #include "soapfilm/io.h"
+#include "soapfilm/io/bytes/rank_blocks.h"
 #include "soapfilm/io/files.h"
 #include "soapfilm/io/parts.h"
 #include "soapfilm/io/sets/input_files.h"
@@ -269,10 +270,17 @@ void refuse_on_ranks(const ReconstructOptions& options) {
 /// Waits until all ranks are here.
 void meet(Ranks& ranks) { of_all(ranks, uint8_t{1}); }
 
-/// Call when all is written, which rank 0 does; the others wait for it, and go on from their stages if it fails.
-void end_stages(Ranks* ranks, const Context& context) {
-  if (ranks) meet(*ranks);
+/// Of rank 0: call when all is written. If that fails all go on from their stages.
+void end_writing(Ranks* ranks, const Context& context) {
+  if (ranks) io::end_blocks(*ranks);
   remove_kept_stages(context);
+}
+
+/// The other ranks, while rank 0 has meshes to write.
+int write_with_rank_0(Ranks& ranks, const Context& context) {
+  io::write_blocks(ranks);
+  remove_kept_stages(context);
+  return 0;
 }
 
 /// Of memory, and where it does not suffice.
@@ -325,10 +333,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
     throw InputError(fmt::format("{}: {}", fmt::join(options.inputs, ", "), error.what()));
   }
   if (global.ranks) meet(*global.ranks);  // what one of them could not finish must not be written
-  if (!global.speaks()) {
-    end_stages(global.ranks.get(), context);
-    return 0;
-  }
+  if (!global.speaks()) return write_with_rank_0(*global.ranks, context);
   if (checks) stages.run("check", [&] { check_result(result, cloud, context); });
   ReconstructReport& report = result.report;
   if (report.topology) print_check(report, progress);
@@ -343,7 +348,7 @@ int run(const CLI::App& app, ReconstructOptions& options, const GlobalOptions& g
   if (!options.report.empty()) write_report(options, report, meshes, parts);
   levels.keep();
   if (streams.gives_output()) streams.give_output();
-  end_stages(global.ranks.get(), context);
+  end_writing(global.ranks.get(), context);
   const std::string written = options.split.empty() ? options.output
                                                     : fmt::format("{}, {} file{}", parts.index, parts.parts.size(),
                                                                   parts.parts.size() == 1 ? "" : "s");

@@ -218,48 +218,54 @@ class Bench:
                              silent=by_mpirun or sign == signal.SIGKILL)
 
     def kills_while_writing(self, count):
-        for row, sign in (("SIGTERM while writing", signal.SIGTERM), ("kill -9 while writing", signal.SIGKILL)):
-            for k in range(count if self.wants(row) else 0):
-                run = Run(self, Folders(self.work), parts=k % 2 == 1)
+        """By one process; by ranks; by ranks where the mesh has a temporary name while it is written."""
+        for who, ranks, named in (("writing", 0, False), ("2 or 3 ranks write", 2, False),
+                                  ("2 or 3 ranks write a file with a name", 2, True)):
+            for row, sign in ((f"SIGTERM while {who}", signal.SIGTERM), (f"kill -9 while {who}", signal.SIGKILL)):
+                for k in range(count if self.wants(row) else 0):
+                    run = Run(self, Folders(self.work), parts=k % 2 == 1, ranks=ranks and ranks + k // 2 % 2)
 
-                def interrupt(running):
-                    if running.wait_for("area "):
-                        self.kill_one(running, sign, self.writing[running.parts])
+                    def interrupt(running):
+                        if running.wait_for("area "):
+                            self.kill_one(running, sign, self.writing[running.parts] * (2 if running.ranks else 1))
 
-                self.try_one(row, run, interrupt, silent=sign == signal.SIGKILL)
+                    environment = {"LD_PRELOAD": str(self.faults), "FAULT_NAMED": str(run.folders.output)}
+                    self.try_one(row, run, interrupt, environment if named else None, silent=sign == signal.SIGKILL)
 
     def full_disks(self):
-        for row, sizes in (("scratch and output on a disk of 5 to 80 MB", [*range(5, 48), 60, 80]),
-                           ("output on a disk of 1 to 6 MB", range(1, 7))):
+        for row, sizes, ranks in (("scratch and output on a disk of 5 to 80 MB", [*range(5, 48), 60, 80], 0),
+                                  ("output on a disk of 1 to 6 MB", range(1, 7), 0),
+                                  ("output of 2 ranks on a disk of 1 to 6 MB", range(1, 7), 2)):
             for size, parts in ((s, p) for s in sizes if self.wants(row) for p in (False, True)):
                 with Mounted(self.work / "disk", ["-t", "tmpfs", "-o", f"size={size}m", "tmpfs"]) as disk:
                     scratch = disk / "scratch" if "scratch" in row else None
-                    run = Run(self, Folders(self.work, disk / "output", scratch), parts)
+                    run = Run(self, Folders(self.work, disk / "output", scratch), parts, ranks)
                     self.try_one(row, run, lambda r: r.end(), goes_on=False)
                     subprocess.run(["mount", "-o", "remount,size=200m", disk], check=True)
                     self.note(row + ", more room then", False, run.go_on())
 
     def failing_calls(self, count):
-        """Each call of a run on its files, one by one, or at least `count` of each kind."""
+        """Each call of a run on its files, one by one, or at least `count` of each kind; of ranks, of each at once."""
         log, counts = self.work / "calls", {}
         base = {"LD_PRELOAD": self.faults, "FAULT_UNDER": self.work, "FAULT_AT": "0"}
-        for parts in (False, True):
+        for parts, ranks in ((False, 0), (True, 0), (False, 2), (True, 2)):
             log.unlink(missing_ok=True)
-            run = Run(self, Folders(self.work), parts)
+            run = Run(self, Folders(self.work), parts, ranks)
             run.prepare(True)
             run.start({**{k: str(v) for k, v in base.items()}, "FAULT_LOG": str(log)})
             run.end()
             for call in log.read_text().split():
-                counts.setdefault((call, parts), 0)
-                counts[call, parts] += 1
-        for (call, parts), all_calls in sorted(counts.items()):
-            row = f"{call} fails"
+                counts.setdefault((call, parts, ranks), 0)
+                counts[call, parts, ranks] += 1
+        for (call, parts, ranks), all_calls in sorted(counts.items()):
+            row = f"{call} fails" + (" on 2 ranks" if ranks else "")
+            all_calls //= max(ranks, 1)
             step = max(1, all_calls // count)
             for at in range(1, all_calls + 1, step) if self.wants(row) else []:
                 error = errno.EIO if at // step % 2 or call in ("read", "mmap", "sync_file_range") else errno.ENOSPC
                 stays = str(at // step // 2 % 2)
                 setting = {**base, "FAULT_CALL": call, "FAULT_AT": at, "FAULT_ERROR": error, "FAULT_STAYS": stays}
-                self.try_one(row, Run(self, Folders(self.work), parts), lambda r: None,
+                self.try_one(row, Run(self, Folders(self.work), parts, ranks), lambda r: None,
                              {k: str(v) for k, v in setting.items()})
 
     def lost_pages(self, count):

@@ -1,7 +1,7 @@
 // Preloaded into a program (LD_PRELOAD): one of its calls on files of a folder fails, as on a disk that is broken or
 // full. failures.py compiles it and sets FAULT_UNDER (the folder), FAULT_CALL, FAULT_AT (which of these calls, from 1;
 // 0: none), FAULT_ERROR (errno), FAULT_STAYS (1: all later ones fail, too) and FAULT_LOG (a file that gets the name of
-// each call).
+// each call). In the folder FAULT_NAMED no file can be without a name, as on a network's file system.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -47,12 +47,20 @@ static int fails(const char* call, const char* path) {
 /// The same for the file that is open as `file`.
 static int fails_on(const char* call, int file) {
   char link[64], path[PATH_MAX];
-  if (file < 0) return 0;
+  if (file <= STDERR_FILENO) return 0;  // what is said is not a file of the run
   snprintf(link, sizeof link, "/proc/self/fd/%d", file);
   const ssize_t length = syscall(SYS_readlink, link, path, sizeof path - 1);
   if (length < 0) return 0;
   path[length] = 0;
   return fails(call, path);
+}
+
+/// Whether the call would open a file without a name where there are none; errno is set then.
+static int needs_name(const char* path, int flags) {
+  const char* folder = setting("FAULT_NAMED");
+  if ((flags & O_TMPFILE) != O_TMPFILE || !folder[0] || strcmp(path, folder) != 0) return 0;
+  errno = EOPNOTSUPP;
+  return 1;
 }
 
 /// A function that fails with `failure` where `condition` holds, and else does what it does.
@@ -63,15 +71,15 @@ static int fails_on(const char* call, int file) {
     return (condition) ? (failure) : next arguments;                               \
   }
 
-#define MAY_FAIL_TO_OPEN(name)                                                     \
-  int name(const char* path, int flags, ...) {                                     \
-    static int (*next)(const char*, int, ...);                                     \
-    if (!next) next = (int (*)(const char*, int, ...))dlsym(RTLD_NEXT, #name);     \
-    va_list rest;                                                                  \
-    va_start(rest, flags);                                                         \
-    const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(rest, mode_t) : 0; \
-    va_end(rest);                                                                  \
-    return fails("open", path) ? -1 : next(path, flags, mode);                     \
+#define MAY_FAIL_TO_OPEN(name)                                                            \
+  int name(const char* path, int flags, ...) {                                            \
+    static int (*next)(const char*, int, ...);                                            \
+    if (!next) next = (int (*)(const char*, int, ...))dlsym(RTLD_NEXT, #name);            \
+    va_list rest;                                                                         \
+    va_start(rest, flags);                                                                \
+    const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(rest, mode_t) : 0;       \
+    va_end(rest);                                                                         \
+    return needs_name(path, flags) || fails("open", path) ? -1 : next(path, flags, mode); \
   }
 
 MAY_FAIL_TO_OPEN(open)
@@ -80,6 +88,10 @@ MAY_FAIL(FILE*, fopen, (const char* path, const char* mode), (path, mode), fails
 MAY_FAIL(FILE*, fopen64, (const char* path, const char* mode), (path, mode), fails("open", path), NULL)
 MAY_FAIL(ssize_t, read, (int file, void* to, size_t count), (file, to, count), fails_on("read", file), -1)
 MAY_FAIL(ssize_t, write, (int file, const void* from, size_t count), (file, from, count), fails_on("write", file), -1)
+MAY_FAIL(ssize_t, pwrite, (int file, const void* from, size_t count, off_t at), (file, from, count, at),
+         fails_on("write", file), -1)
+MAY_FAIL(ssize_t, pwrite64, (int file, const void* from, size_t count, off64_t at), (file, from, count, at),
+         fails_on("write", file), -1)
 MAY_FAIL(ssize_t, writev, (int file, const struct iovec* from, int count), (file, from, count),
          fails_on("write", file), -1)
 MAY_FAIL(int, fsync, (int file), (file), fails_on("fsync", file), -1)

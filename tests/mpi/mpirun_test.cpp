@@ -132,6 +132,32 @@ TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
   }
 }
 
+/// Ranks write each of the files together, blocks of a MiB.
+TEST_F(Mpirun, PartsAndLevelsAreThoseOfOneProcess) {
+  for (const bool in_parts : {true, false}) {
+    const Words further = in_parts ? Words{"--split", "130000", "--ascii"} : Words{"--simplify", "auto", "--lod", "1"};
+    for (const char* name : {"alone", "ranks"}) {
+      std::filesystem::create_directory(folder.file(name));
+      Words words = reconstruct(std::string(name) + "/mesh.ply", in_parts ? 200 : 100);
+      words.insert(words.end(), further.begin(), further.end());
+      const ProcessResult done = run_process(name == std::string("alone") ? program(words) : mpirun(2, words));
+      ASSERT_EQ(done.exit_code, 0) << done.err;
+    }
+    size_t files = 0, large = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.file("alone"))) {
+      const std::string name = entry.path().filename().string();
+      EXPECT_EQ(read_file(folder.file("ranks/" + name)), read_file(folder.file("alone/" + name))) << name;
+      large += entry.file_size() > size_t{2} << 20;
+      ++files;
+    }
+    EXPECT_GE(files, 2u);
+    EXPECT_EQ(large, in_parts ? 2u : 0u) << "smaller ones are written by rank 0 alone";
+    for (const auto& entry : std::filesystem::directory_iterator(folder.file("ranks")))
+      EXPECT_TRUE(std::filesystem::exists(folder.file("alone") / entry.path().filename())) << entry.path();
+    for (const char* name : {"alone", "ranks"}) std::filesystem::remove_all(folder.file(name));
+  }
+}
+
 /// Each of which one process reads.
 TEST_F(Mpirun, TilesGiveTheBytesOfOneProcess) {
   const std::string all = tiles(5);

@@ -155,8 +155,8 @@ namespace {
 
 /// A file whose contents write(file) gives.
 template <class Write>
-WriteReport write_whole(const std::string& path, Write&& write) {
-  io::AtomicFile file(path);
+WriteReport write_whole(const std::string& path, const Context& context, Write&& write) {
+  io::AtomicFile file(path, ranks_of(context));
   WriteReport report = write(file);
   file.commit();
   return report;
@@ -166,7 +166,7 @@ WriteReport write_whole(const std::string& path, Write&& write) {
 
 WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOptions& options, const Context& context) {
   const Format& format = io::mesh_output_format(path);
-  return write_whole(path, [&](io::AtomicFile& file) {
+  return write_whole(path, context, [&](io::AtomicFile& file) {
     WriteReport report = format.write_mesh(file, mesh, options, context);
     check_scratch_files(context.state().scratch_folder);
     return report;
@@ -176,7 +176,8 @@ WriteReport write_mesh(const std::string& path, const Mesh& mesh, const WriteOpt
 WriteReport write_points(const std::string& path, const PointCloud& cloud, const WriteOptions& options,
                          const Context& context) {
   const Format& format = require<OutputError>(path, io::format_of_extension(path), writes_points, "");
-  return write_whole(path, [&](io::AtomicFile& file) { return format.write_points(file, cloud, options, context); });
+  return write_whole(path, context,
+                     [&](io::AtomicFile& file) { return format.write_points(file, cloud, options, context); });
 }
 
 void check_mesh_output(const std::string& path) {

@@ -37,7 +37,7 @@ WriteReport write_levels(const std::string& path, const std::vector<DetailLevel>
   if (levels.size() == 1) return write_mesh(path, levels[0].mesh, options, context);
   const io::Format& format = io::mesh_output_format(path);
   const std::vector<std::string> files = level_files(path, levels.size());
-  io::StagedFiles staged;
+  io::StagedFiles staged(ranks_of(context));
   WriteReport all;
   if (files.size() == 1)
     staged.write(path, [&](io::AtomicFile& file) { all = io::write_glb_levels(file, levels, options); });

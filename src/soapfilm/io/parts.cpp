@@ -186,7 +186,7 @@ WrittenParts write_parts(const std::string& path, const Mesh& mesh, const PartsP
   io::PartMaker maker(mesh, style.normals);
   WrittenParts written;
   written.index = parts_index(path);
-  io::StagedFiles files;
+  io::StagedFiles files(ranks_of(context));
   const Context silent = silenced(context);
   for (size_t k = 0; k < blocks.size(); ++k) {
     context.check();

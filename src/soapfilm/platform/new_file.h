@@ -9,6 +9,9 @@ namespace soapfilm {
 /// errno, EOPNOTSUPP where the file system or the platform has no such files.
 int open_unnamed_file(const std::string& folder, unsigned mode);
 
+/// Another name of such a file, while it is open, for all processes of this machine; empty where there is none.
+std::string name_for_others(int file);
+
 /// Gives it a name in its folder. Where the name exists, it has at every moment the old contents or all of the new.
 /// Returns 0 or an error number. Contents that must survive a power failure are to be stored before.
 int name_file(int file, const std::string& name);

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "soapfilm/error.h"
 #include "soapfilm/platform/new_file.h"
 
 namespace soapfilm::io {
 
-AtomicFile::AtomicFile(const std::string& path)
+AtomicFile::AtomicFile(const std::string& path, Ranks* ranks)
     : path_(path), target_(resolve_links(path)), buffer_(new char[capacity]) {
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;
@@ -21,9 +22,10 @@ AtomicFile::AtomicFile(const std::string& path)
   } else {
     if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
     file_.reset(open_unnamed_file(std::filesystem::path(target_).parent_path().string(), 0666));
-    if (!file_.is_open() && errno == EOPNOTSUPP) open_temporary();
+    if (!file_.is_open() && errno == EOPNOTSUPP) open_temporary(ranks);
   }
   if (!file_.is_open()) fail(errno);
+  if (ranks && !is_direct_) share(*ranks);
 }
 
 AtomicFile::~AtomicFile() {
@@ -38,10 +40,12 @@ std::string AtomicFile::temporary_name(int attempt) const {
   return (target.parent_path() / name).string();
 }
 
-void AtomicFile::open_temporary() {
+void AtomicFile::open_temporary(Ranks* ranks) {
   constexpr int attempts = 1000;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     const std::string name = temporary_name(attempt);
+    if (::access(name.c_str(), F_OK) == 0) continue;
+    if (ranks) tell_temporary(*ranks, std::filesystem::absolute(name).string());
     file_.reset(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (!file_.is_open() && errno == EEXIST) continue;
     if (!file_.is_open()) return;
@@ -51,9 +55,18 @@ void AtomicFile::open_temporary() {
   }
 }
 
+void AtomicFile::share(Ranks& ranks) {
+  const bool has_name = !temporary_.empty();
+  std::string path = has_name ? std::filesystem::absolute(temporary_).string() : name_for_others(file_.get());
+  if (!path.empty()) blocks_ = std::make_unique<RankBlocks>(ranks, file_.get(), std::move(path), has_name);
+}
+
 void AtomicFile::finish() {
   flush();
   buffer_.reset();
+  if (blocks_)
+    if (const int error = blocks_->finish()) fail(error);
+  blocks_.reset();
   if (is_direct_) return;
   if (const int error = store_file(file_.get())) fail(error);
 }
@@ -85,6 +98,10 @@ void AtomicFile::flush() {
 }
 
 void AtomicFile::write_out(std::string_view bytes) {
+  if (blocks_) {
+    if (const int error = blocks_->append(bytes)) fail(error);
+    return;
+  }
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_.get(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;

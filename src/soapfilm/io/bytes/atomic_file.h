@@ -6,8 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include "soapfilm/core/ranks.h"
 #include "soapfilm/io/bytes/encode.h"
 #include "soapfilm/io/bytes/file_descriptor.h"
+#include "soapfilm/io/bytes/rank_blocks.h"
 #include "soapfilm/io/bytes/temporary_names.h"
 
 namespace soapfilm::io {
@@ -17,8 +19,9 @@ namespace soapfilm::io {
 /// while it has no name. A target that exists and is no regular file (a pipe, a terminal) is written to directly.
 class AtomicFile {
  public:
-  /// Throws OutputError when the folder is missing or not writable, or the target is a directory.
-  explicit AtomicFile(const std::string& path);
+  /// `ranks` write it together, if there are some: this is rank 0, the others are in write_blocks(). Throws OutputError
+  /// when the folder is missing or not writable, or the target is a directory.
+  explicit AtomicFile(const std::string& path, Ranks* ranks = nullptr);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -63,7 +66,8 @@ class AtomicFile {
   static constexpr size_t capacity = size_t{1} << 18;
   void used_to(const char* end) { used_ = static_cast<size_t>(end - buffer_.get()); }
   std::string temporary_name(int attempt) const;
-  void open_temporary();
+  void open_temporary(Ranks* ranks);
+  void share(Ranks& ranks);
   void flush();
   void write_out(std::string_view bytes);
   [[noreturn]] void fail(int error) const;
@@ -74,6 +78,7 @@ class AtomicFile {
   std::string temporary_;          // empty: there is none
   TemporaryName* slot_ = nullptr;  // its place in the table of remove_temporary_files()
   FileDescriptor file_;
+  std::unique_ptr<RankBlocks> blocks_;
   std::unique_ptr<char[]> buffer_;
   size_t used_ = 0;
 };

@@ -18,7 +18,7 @@ constexpr size_t most_open = 256;
 StagedFiles::~StagedFiles() { remove_committed(); }
 
 void StagedFiles::write(const std::string& target, const std::function<void(AtomicFile&)>& write) {
-  auto file = std::make_unique<AtomicFile>(target);
+  auto file = std::make_unique<AtomicFile>(target, ranks_);
   if (file->is_direct()) throw OutputError(target + ": exists and is no file, must be a file");
   write(*file);
   file->finish();

@@ -15,7 +15,8 @@ namespace soapfilm::io {
 /// one goes before they are replaced. Of what is not committed nothing is left.
 class StagedFiles {
  public:
-  StagedFiles() = default;
+  /// `ranks` write each file together, if there are some, as in AtomicFile.
+  explicit StagedFiles(Ranks* ranks = nullptr) : ranks_(ranks) {}
   ~StagedFiles();
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -28,6 +29,7 @@ class StagedFiles {
  private:
   void remove_committed() noexcept;
 
+  Ranks* ranks_;
   std::vector<std::unique_ptr<AtomicFile>> files_;
   size_t committed_ = 0;
 };

@@ -36,6 +36,8 @@ int open_unnamed_file(const std::string& folder, unsigned mode) {
   return -1;
 }
 
+std::string name_for_others(int file) { return fmt::format("/proc/{}/fd/{}", getpid(), file); }
+
 int name_file(int file, const std::string& name) {
   if (link_file(file, name)) return 0;
   if (errno != EEXIST) return errno;

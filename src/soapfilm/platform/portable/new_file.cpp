@@ -13,6 +13,8 @@ int open_unnamed_file(const std::string&, unsigned) {
   return -1;
 }
 
+std::string name_for_others(int) { return {}; }
+
 int name_file(int, const std::string&) { return EOPNOTSUPP; }
 
 int store_file(int) { return 0; }
