@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
+#include "soapfilm/core/context_state.h"
+#include "soapfilm/core/hash.h"
 #include "soapfilm/core/parallel.h"
 #include "soapfilm/error.h"
+#include "soapfilm/io/sets/error_message.h"
 
 namespace soapfilm::io {
 
@@ -14,6 +18,12 @@ namespace {
 
 constexpr size_t parts = 16;  // of as many points as may be decoded at once, for the chunks that have more
 constexpr size_t chunks_per_thread = 2;
+
+/// The place of the first one that there is, or their number.
+size_t first_of(const std::vector<std::exception_ptr>& errors) {
+  const auto first = std::find_if(errors.begin(), errors.end(), [](const auto& error) { return error != nullptr; });
+  return static_cast<size_t>(first - errors.begin());
+}
 
 }  // namespace
 
@@ -26,57 +36,124 @@ LazReader::LazReader(ByteSource& source, LazLayout layout, std::vector<bool> wan
       most_points_(std::max<size_t>(most_bytes / layout_.record_bytes, 1)) {}
 
 void LazReader::read(const std::function<void(std::string_view)>& take) {
+  agree();
   std::vector<char> records, spare;
   for (std::string_view ready;;) {
     context_.check();
     const Batch batch = next_batch();
     if (batch.points == 0 && ready.empty()) return;
     spare.resize(std::max(spare.size(), batch.points * layout_.record_bytes));
+    Errors errors(batch.own.size());
     const size_t taken = ready.empty() ? 0 : 1;
-    parallel_for(context_, taken + batch.chunks, 1, [&](size_t k) {
-      if (k < taken)
-        take(ready);
-      else
-        decode(batch, k - taken, spare.data());
+    parallel_for(context_, taken + errors.size(), 1, [&](size_t k) {
+      if (k < taken) return take(ready);
+      try {
+        decode(batch, batch.own.begin + k - taken, spare.data());
+      } catch (...) {
+        errors[k - taken] = std::current_exception();
+      }
     });
+    const size_t good = bring(batch, errors, spare.data());
     records.swap(spare);
-    ready = {records.data(), batch.points * layout_.record_bytes};
+    ready = {records.data(), points_before(batch, good) * layout_.record_bytes};
+    if (good == batch.chunks) continue;
+    // What take() throws for a record before the chunk comes first, however many are decoded at once.
+    if (!ready.empty()) take(ready);
+    throw_first_of(batch, errors);
   }
+}
+
+/// Ranks decode chunks for each other, so they must have the same file. What says where its chunks are and what is in
+/// them is compared. The chunks are not, as each rank reads its own alone: where those of two machines differ, all
+/// ranks get the records of the same one.
+void LazReader::agree() {
+  size_t threads = static_cast<size_t>(context_.threads());
+  if (Ranks* const ranks = ranks_of(context_)) {
+    Hash hash;
+    hash.add(source_.bytes().substr(0, layout_.points_offset));
+    hash.add(layout_.chunks);
+    for (const bool wanted : wanted_) hash.add(wanted);
+    hash.add(most_points_);
+    require_same(*ranks, "input files", hash.value());
+    const std::vector<size_t> of_ranks = of_all(*ranks, threads);
+    threads = std::accumulate(of_ranks.begin(), of_ranks.end(), size_t{0});
+  }
+  most_chunks_ = chunks_per_thread * threads;
 }
 
 LazReader::Batch LazReader::next_batch() {
   const std::vector<LazChunk>& chunks = layout_.chunks;
-  const size_t part = std::max<size_t>(most_points_ / parts, 1);
   Batch batch;
   batch.first_chunk = left_ > 0 ? next_chunk_ - 1 : next_chunk_;
   if (batch.first_chunk < chunks.size()) source_.release_before(static_cast<size_t>(chunks[batch.first_chunk].begin));
-  const size_t most_chunks = chunks_per_thread * static_cast<size_t>(context_.threads());
-  while (left_ == 0 && next_chunk_ < chunks.size() && batch.chunks < most_chunks &&
+  while (left_ == 0 && next_chunk_ < chunks.size() && batch.chunks < most_chunks_ &&
          chunks[next_chunk_].points <= most_points_ - batch.points) {
     batch.points += static_cast<size_t>(chunks[next_chunk_++].points);
     ++batch.chunks;
   }
-  if (batch.chunks > 0) return batch;
-  if (left_ == 0 && next_chunk_ < chunks.size()) {
-    large_ = open(chunks[next_chunk_]);
-    left_ = static_cast<size_t>(chunks[next_chunk_++].points);
+  if (batch.chunks == 0) {
+    if (left_ == 0 && next_chunk_ < chunks.size()) left_ = static_cast<size_t>(chunks[next_chunk_++].points);
+    batch.is_part = left_ > 0;
+    batch.points = std::min(left_, std::max<size_t>(most_points_ / parts, 1));
+    batch.chunks = batch.is_part ? 1 : 0;
+    left_ -= batch.points;
   }
-  batch.points = std::min(left_, part);
-  batch.chunks = batch.points > 0 ? 1 : 0;
-  left_ -= batch.points;
+  share(batch);
   return batch;
 }
 
-/// The batch's k-th chunk.
+/// A large chunk each rank decodes by itself: parts of it follow from those before, so to wait for another rank that
+/// does it would take as long. So it is with a single chunk.
+void LazReader::share(Batch& batch) const {
+  const Ranks* const ranks = ranks_of(context_);
+  batch.own = {0, batch.chunks};
+  if (!ranks || ranks->count() == 1 || batch.chunks < 2) return;
+  std::vector<size_t> points;
+  for (size_t k = 0; k < batch.chunks; ++k)
+    points.push_back(static_cast<size_t>(layout_.chunks[batch.first_chunk + k].points));
+  const std::vector<size_t> cut = ranks->cut(points);
+  for (size_t r = 0; r + 1 < cut.size(); ++r) batch.parts.push_back({cut[r], cut[r + 1]});
+  batch.own = batch.parts[static_cast<size_t>(ranks->rank())];
+}
+
+/// Of its points, those of chunks before the k-th.
+size_t LazReader::points_before(const Batch& batch, size_t k) const {
+  if (k == batch.chunks) return batch.points;
+  return static_cast<size_t>(layout_.chunks[batch.first_chunk + k].first - layout_.chunks[batch.first_chunk].first);
+}
+
+/// The batch's k-th chunk, to its place in the batch's records.
 void LazReader::decode(const Batch& batch, size_t k, char* to) {
   const LazChunk& chunk = layout_.chunks[batch.first_chunk + k];
-  if (large_) {
+  if (batch.is_part) {
+    if (!large_) large_ = open(chunk);
     if (!large_->read(batch.points, to)) fail(chunk);
     if (left_ == 0) large_.reset();
     return;
   }
-  to += static_cast<size_t>(chunk.first - layout_.chunks[batch.first_chunk].first) * layout_.record_bytes;
+  to += points_before(batch, k) * layout_.record_bytes;
   if (!open(chunk)->read(static_cast<size_t>(chunk.points), to)) fail(chunk);
+}
+
+/// Brings each rank the records of others. Returns how many chunks there are before the first one that is damaged.
+size_t LazReader::bring(const Batch& batch, const Errors& errors, char* records) const {
+  const size_t first = first_of(errors);
+  const size_t good = first < errors.size() ? batch.own.begin + first : batch.chunks;
+  if (batch.parts.empty()) return good;
+  Ranks& ranks = *ranks_of(context_);
+  const std::vector<size_t> of_ranks = of_all(ranks, good);
+  std::vector<ItemRange> points;
+  for (const ItemRange& part : batch.parts)
+    points.push_back({points_before(batch, part.begin), points_before(batch, part.end)});
+  bring_all(ranks, points, {{records, layout_.record_bytes}});
+  return *std::min_element(of_ranks.begin(), of_ranks.end());
+}
+
+void LazReader::throw_first_of(const Batch& batch, const Errors& errors) const {
+  const size_t first = first_of(errors);
+  if (batch.parts.empty()) std::rethrow_exception(errors[first]);
+  throw_first(*ranks_of(context_),
+              first < errors.size() ? message_of(errors[first], batch.own.begin + first) : ErrorMessage{});
 }
 
 std::unique_ptr<LazPoints> LazReader::open(const LazChunk& chunk) const {
