@@ -153,11 +153,17 @@ TEST(SharedLaz, TheFirstDamagedChunkIsTheErrorOfAllRanks) {
     EXPECT_EQ(alone.rfind("input: " + path + ": byte " + std::to_string(chunks[first].begin) + ":", 0), 0u) << alone;
     expect_same([&](const Context& context) { return outcome_of(path, context); });
   }
-  // A large one, after some that are shared.
-  std::string bytes = laz_of(random_las(6, 150, 0, 17), {.chunks = {20, 20, 100, 10}});
+  // A large one, after some that are shared, on all ranks or on one.
+  const std::string whole = laz_of(random_las(6, 150, 0, 17), {.chunks = {20, 20, 100, 10}});
+  std::string bytes = whole;
   damage(bytes, chunks_of(bytes)[2]);
-  EXPECT_NE(records_or_error(bytes, Context(1), 1500).find("does not hold its 100 points"), std::string::npos);
+  const std::string line = records_or_error(bytes, Context(1), 1500);
+  EXPECT_NE(line.find("does not hold its 100 points"), std::string::npos);
   expect_same([&](const Context& context) { return records_or_error(bytes, context, 1500); });
+  for (const std::string& of_rank : on_ranks<std::string>(3, 1, any_cuts, [&](const Context& context) {
+         return records_or_error(ranks_of(context)->rank() == 1 ? bytes : whole, context, 1500);
+       }))
+    EXPECT_EQ(of_rank, line);
 }
 
 /// However many chunks are decoded at once.

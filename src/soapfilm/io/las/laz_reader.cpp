@@ -19,10 +19,17 @@ namespace {
 constexpr size_t parts = 16;  // of as many points as may be decoded at once, for the chunks that have more
 constexpr size_t chunks_per_thread = 2;
 
-/// The place of the first one that there is, or their number.
-size_t first_of(const std::vector<std::exception_ptr>& errors) {
-  const auto first = std::find_if(errors.begin(), errors.end(), [](const auto& error) { return error != nullptr; });
-  return static_cast<size_t>(first - errors.begin());
+/// What it throws, but for the end of the run.
+template <class Call>
+std::exception_ptr error_of(Call&& call) {
+  try {
+    call();
+  } catch (const Cancelled&) {
+    throw;
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -43,29 +50,28 @@ void LazReader::read(const std::function<void(std::string_view)>& take) {
     const Batch batch = next_batch();
     if (batch.points == 0 && ready.empty()) return;
     spare.resize(std::max(spare.size(), batch.points * layout_.record_bytes));
-    Errors errors(batch.own.size());
-    const size_t taken = ready.empty() ? 0 : 1;
-    parallel_for(context_, taken + errors.size(), 1, [&](size_t k) {
-      if (k < taken) return take(ready);
-      try {
-        decode(batch, batch.own.begin + k - taken, spare.data());
-      } catch (...) {
-        errors[k - taken] = std::current_exception();
-      }
+    const auto take_ready = [&] {
+      if (!ready.empty()) take(ready);
+    };
+    Errors errors(1 + batch.own.size());
+    parallel_for(context_, errors.size(), 1, [&](size_t k) {
+      errors[k] =
+          k == 0 ? error_of(take_ready) : error_of([&] { decode(batch, batch.own.begin + k - 1, spare.data()); });
     });
-    const size_t good = bring(batch, errors, spare.data());
+    const size_t first = bring(batch, errors, spare.data());
     records.swap(spare);
-    ready = {records.data(), points_before(batch, good) * layout_.record_bytes};
-    if (good == batch.chunks) continue;
-    // What take() throws for a record before the chunk comes first, however many are decoded at once.
-    if (!ready.empty()) take(ready);
+    ready = {records.data(), first == 0 ? 0 : points_before(batch, first - 1) * layout_.record_bytes};
+    if (first > batch.chunks) continue;
+    // What take() throws for a record before a damaged chunk comes first, however many are decoded at once.
+    if (first > 0) errors[0] = error_of(take_ready);
     throw_first_of(batch, errors);
   }
 }
 
-/// Ranks decode chunks for each other, so they must have the same file. What says where its chunks are and what is in
-/// them is compared. The chunks are not, as each rank reads its own alone: where those of two machines differ, all
-/// ranks get the records of the same one.
+/// Ranks decode chunks for each other, so they must have the same file. The header, the records after it, and place,
+/// size and number of points of each chunk are compared. What is in the chunks is not, as each rank reads its own
+/// alone: if that differs in spite of the same sizes, all ranks still get the same records, of each chunk those of one
+/// rank.
 void LazReader::agree() {
   size_t threads = static_cast<size_t>(context_.threads());
   if (Ranks* const ranks = ranks_of(context_)) {
@@ -135,25 +141,32 @@ void LazReader::decode(const Batch& batch, size_t k, char* to) {
   if (!open(chunk)->read(static_cast<size_t>(chunk.points), to)) fail(chunk);
 }
 
-/// Brings each rank the records of others. Returns how many chunks there are before the first one that is damaged.
+/// The number of the first error: 0 of take(), 1 of the batch's first chunk; if there is none one above all chunks.
+size_t LazReader::number_of_first(const Batch& batch, const Errors& errors) {
+  const auto first = std::find_if(errors.begin(), errors.end(), [](const auto& error) { return error != nullptr; });
+  if (first == errors.end()) return batch.chunks + 1;
+  return first == errors.begin() ? 0 : batch.own.begin + static_cast<size_t>(first - errors.begin());
+}
+
+/// Brings each rank the records of others. Returns the number of the first error of all ranks.
 size_t LazReader::bring(const Batch& batch, const Errors& errors, char* records) const {
-  const size_t first = first_of(errors);
-  const size_t good = first < errors.size() ? batch.own.begin + first : batch.chunks;
-  if (batch.parts.empty()) return good;
-  Ranks& ranks = *ranks_of(context_);
-  const std::vector<size_t> of_ranks = of_all(ranks, good);
+  const size_t own_first = number_of_first(batch, errors);
+  Ranks* const ranks = ranks_of(context_);
+  if (!ranks) return own_first;
+  const std::vector<size_t> of_ranks = of_all(*ranks, own_first);
   std::vector<ItemRange> points;
   for (const ItemRange& part : batch.parts)
     points.push_back({points_before(batch, part.begin), points_before(batch, part.end)});
-  bring_all(ranks, points, {{records, layout_.record_bytes}});
+  if (!points.empty()) bring_all(*ranks, points, {{records, layout_.record_bytes}});
   return *std::min_element(of_ranks.begin(), of_ranks.end());
 }
 
+/// On all ranks, also where another one has it.
 void LazReader::throw_first_of(const Batch& batch, const Errors& errors) const {
-  const size_t first = first_of(errors);
-  if (batch.parts.empty()) std::rethrow_exception(errors[first]);
-  throw_first(*ranks_of(context_),
-              first < errors.size() ? message_of(errors[first], batch.own.begin + first) : ErrorMessage{});
+  const auto first = std::find_if(errors.begin(), errors.end(), [](const auto& error) { return error != nullptr; });
+  Ranks* const ranks = ranks_of(context_);
+  if (!ranks) std::rethrow_exception(*first);
+  throw_first(*ranks, first == errors.end() ? ErrorMessage{} : message_of(*first, number_of_first(batch, errors)));
 }
 
 std::unique_ptr<LazPoints> LazReader::open(const LazChunk& chunk) const {

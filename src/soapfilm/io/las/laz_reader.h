@@ -39,13 +39,14 @@ class LazReader {
     ItemRange own{};                 ///< of its chunks, what this rank decodes
     std::vector<ItemRange> parts{};  ///< what each rank does; none: each decodes all of it
   };
-  using Errors = std::vector<std::exception_ptr>;  ///< of each own chunk
+  using Errors = std::vector<std::exception_ptr>;  ///< of take(), then of each own chunk
 
   void agree();
   Batch next_batch();
   void share(Batch& batch) const;
   size_t points_before(const Batch& batch, size_t k) const;
   void decode(const Batch& batch, size_t k, char* to);
+  static size_t number_of_first(const Batch& batch, const Errors& errors);
   size_t bring(const Batch& batch, const Errors& errors, char* records) const;
   void throw_first_of(const Batch& batch, const Errors& errors) const;
   std::unique_ptr<LazPoints> open(const LazChunk& chunk) const;
