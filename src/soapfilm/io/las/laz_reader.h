@@ -26,7 +26,8 @@ class LazReader {
 
   /// take(records) for all records, in order, on each rank: of some chunks or of a part of a large one. It is called by
   /// one thread at a time, while others decode what comes next. Throws InputError for a chunk that does not hold its
-  /// points, on all ranks, once take() has had all records before it; and ParameterError where ranks have other files.
+  /// points, once take() has had all records before it, and ParameterError where ranks have other files. Of errors,
+  /// also those of take(), all ranks throw the first.
   void read(const std::function<void(std::string_view)>& take);
 
  private:
