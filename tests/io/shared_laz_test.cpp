@@ -8,6 +8,7 @@
 #include "soapfilm/core/context_state.h"
 #include "soapfilm/io.h"
 #include "support/real_data.h"
+#include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
@@ -25,10 +26,12 @@ const std::vector<Group> groups{{1, 1, {1}}, {1, 2, {1}}, {2, 1, {1}}, {2, 2, {2
 void expect_same(const std::function<std::string(const Context&)>& run) {
   const std::string alone = run(Context(1));
   EXPECT_TRUE(run(Context(3)) == alone);
-  for (const Group& group : groups)
+  for (size_t k = 0; k < groups.size(); k += test::sanitized ? 3 : 1) {
+    const Group& group = groups[k];
     for (const std::string& of_rank : on_ranks<std::string>(group.ranks, group.threads, group.cuts, run))
       EXPECT_TRUE(of_rank == alone) << group.ranks << " ranks, " << group.threads << " threads, cut "
                                     << group.cuts.seed;
+  }
 }
 
 /// What is read, or the line and kind of the error.
