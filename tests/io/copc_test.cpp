@@ -1,68 +1,14 @@
 // COPC: levels of a file that is made here, and of real ones when SOAPFILM_DATA names the data.
 #include "soapfilm/io/las/copc.h"
 
+#include "copc_files.h"
 #include "files.h"
-#include "laz_files.h"
 #include "samples.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/las/las_records.h"
 #include "support/real_data.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
-
-struct Node {
-  int level;
-  uint32_t points;
-};
-
-/// Chunks in the file's order; the levels' points are told apart by z.
-const std::vector<Node> nodes{{1, 30}, {0, 20}, {2, 60}, {1, 25}, {3, 100}};
-constexpr double root_spacing = 8;
-
-/// Where the content of its record of COPC begins.
-size_t info_of(const std::string& file) { return file.find("copc") + 52; }
-
-/// `pages`: the list of nodes is in two pages, of which the first one names the second.
-std::string copc_file(int pages = 1) {
-  LasFile las;
-  las.minor = 4;
-  las.format = 6;
-  las.records = {LasFile::record("copc", 1, std::string(160, '\0'))};
-  LazWriting writing;
-  for (const Node& node : nodes) {
-    writing.chunks.push_back(node.points);
-    for (uint32_t i = 0; i < node.points; ++i) {
-      LasPoint point;
-      point.xyz = {static_cast<int32_t>(i), static_cast<int32_t>(i * i % 97), node.level * 1000};
-      las.points.push_back(point);
-    }
-  }
-  std::string file = LazFile(las.bytes(), writing).bytes();
-
-  io::ByteSource source("a.laz", file);
-  ReadReport report;
-  const io::LasHeader header = io::read_las_header(source, report);
-  const io::LazLayout layout =
-      io::read_laz_layout(source, header, io::read_las_records(source, header, 0, report).laszip);
-  const auto entry = [](int level, uint64_t begin, uint64_t bytes, int points) {
-    return bytes_of<int32_t>({level, 0, 0, 0}) + bytes_of<uint64_t>({begin}) +
-           bytes_of<int32_t>({static_cast<int32_t>(bytes), points});
-  };
-  std::string second, first;
-  for (size_t k = 0; k < nodes.size(); ++k)
-    (k > 2 && pages > 1 ? second : first) +=
-        entry(nodes[k].level, layout.chunks[k].begin, layout.chunks[k].bytes, static_cast<int>(nodes[k].points));
-  first += entry(4, 0, 0, 0);  // a node without points
-  const uint64_t second_begin = file.size();
-  if (pages > 1) first += entry(1, second_begin, second.size(), -1);
-  file += second;
-  const size_t info = info_of(file);
-  put(file, info + 32, root_spacing);
-  put(file, info + 40, uint64_t{file.size()});
-  put(file, info + 48, uint64_t{first.size()});
-  return file + first;
-}
 
 PointCloud read_levels(const std::string& file, double spacing, ReadReport& report) {
   const TemporaryFolder folder;
@@ -85,7 +31,7 @@ TEST(Copc, LevelsAreReadUntilPointsAreNearEnough) {
       const PointCloud cloud = read_levels(copc_file(pages), c.spacing, report);
       ASSERT_EQ(cloud.size(), c.points);
       size_t next = 0;
-      for (const Node& node : nodes)
+      for (const copc::Node& node : copc::nodes)
         for (uint32_t i = 0; i < node.points && node.level < c.levels; ++i, ++next)
           ASSERT_NEAR(cloud.positions[next].z, node.level, 1e-9);  // in the file's order
       EXPECT_EQ(report.warnings.size(), c.points < 235);
@@ -101,7 +47,7 @@ TEST(Copc, DamagedOctreesGiveAllPointsAndAWarning) {
     EXPECT_NE(report.warnings[0].find("octree"), std::string::npos);
   };
   const std::string file = copc_file(2);
-  const size_t info = info_of(file), entries = file.size() - 5 * 32;
+  const size_t info = copc::info_of(file), entries = file.size() - 5 * 32;
   expect_all(file, info + 32, 0);                    // spacing
   expect_all(file, info + 40, file.size() + 1);      // the first page
   expect_all(file, info + 48, ~uint64_t{0});         // its size

@@ -117,4 +117,32 @@ inline std::string random_las(int format, size_t count, size_t extra, uint64_t s
   return bytes;
 }
 
+/// A file with what a cloud can have, and points that are left out.
+inline LasFile survey(int format, size_t count) {
+  LasFile file;
+  file.format = format;
+  file.minor = format >= 6 ? 4 : 2;
+  Random random(3);
+  for (size_t i = 0; i < count; ++i) {
+    LasPoint point;
+    for (int32_t& v : point.xyz) v = static_cast<int32_t>(random.next() % 100000);
+    point.intensity = static_cast<uint16_t>(random.next() % 1000);
+    point.classification = static_cast<uint8_t>(random.next() % 9);
+    point.source = static_cast<uint16_t>(2 * i / count);
+    point.withheld = i % 7 == 3;
+    point.time = static_cast<double>(i) * 0.25;
+    for (uint16_t& v : point.rgb) v = static_cast<uint16_t>(random.next());
+    point.infrared = static_cast<uint16_t>(i);
+    point.extra = bytes_of(static_cast<float>(random.normal()));
+    file.points.push_back(point);
+  }
+  file.records = {LasFile::record("LASF_Spec", 4, LasFile::extra("width", 9))};
+  return file;
+}
+
+/// Of items in files of this format.
+inline std::vector<uint16_t> versions_of(int format) {
+  return format < 6 ? std::vector<uint16_t>{1, 2} : std::vector<uint16_t>{3, 4};
+}
+
 }  // namespace soapfilm

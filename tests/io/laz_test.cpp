@@ -2,33 +2,15 @@
 #include "laz_files.h"
 
 #include "files.h"
+#include "laz_reading.h"
 #include "laz_records.h"
 #include "samples.h"
 #include "soapfilm/io.h"
-#include "soapfilm/io/las/las_records.h"
-#include "soapfilm/io/las/laz_reader.h"
 #include "support/real_data.h"
 #include "support/sanitized.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
-
-/// All records of a LAS or LAZ file, as they are.
-std::string records_of(const std::string& bytes, size_t most_bytes = size_t{32} << 20, int threads = 1) {
-  io::ByteSource source("a.laz", bytes);
-  ReadReport report;
-  const Context context(threads);
-  const io::LasHeader header = io::read_las_header(source, report);
-  if (!header.compressed)
-    return bytes.substr(header.points_offset, static_cast<size_t>(header.count) * header.record_bytes);
-  const size_t room = header.record_bytes - io::standard_bytes(header.point_format);
-  const io::LasRecords records = io::read_las_records(source, header, room, report);
-  io::LazReader reader(source, io::read_laz_layout(source, header, records.laszip),
-                       std::vector<bool>(header.record_bytes, true), context, most_bytes);
-  std::string all;
-  reader.read([&](std::string_view some) { all += some; });
-  return all;
-}
 
 /// The same without wave packets, which are passed over.
 std::string without_waves(std::string records, int format, size_t record_bytes) {
@@ -41,16 +23,12 @@ void expect_same_records(const std::string& las, const std::string& laz, size_t 
   const int format = las[104];
   const auto record_bytes = laz::at<uint16_t>(las, 105);
   const std::string expected = without_waves(records_of(las), format, record_bytes);
-  const std::string found = without_waves(records_of(laz, most_bytes, 2), format, record_bytes);
+  const std::string found = without_waves(records_of(laz, Context(2), most_bytes), format, record_bytes);
   ASSERT_EQ(found.size(), expected.size());
   const auto differs = std::mismatch(found.begin(), found.end(), expected.begin()).first;
   if (differs == found.end()) return;
   const auto at = static_cast<size_t>(differs - found.begin());
   ADD_FAILURE() << "byte " << at % record_bytes << " of point " << at / record_bytes;
-}
-
-std::vector<uint16_t> versions_of(int format) {
-  return format < 6 ? std::vector<uint16_t>{1, 2} : std::vector<uint16_t>{3, 4};
 }
 
 TEST(Laz, RecordsOfAllFormatsComeBack) {
@@ -88,29 +66,6 @@ TEST(Laz, PointsThatAreAllEqualTakeNoRoom) {
     EXPECT_LT(laz.size(), 2600u);  // most of it are the models' first points
     expect_same_records(file.bytes(), laz);
   }
-}
-
-/// A file with what a cloud can have, and points that are left out.
-LasFile survey(int format, size_t count) {
-  LasFile file;
-  file.format = format;
-  file.minor = format >= 6 ? 4 : 2;
-  Random random(3);
-  for (size_t i = 0; i < count; ++i) {
-    LasPoint point;
-    for (int32_t& v : point.xyz) v = static_cast<int32_t>(random.next() % 100000);
-    point.intensity = static_cast<uint16_t>(random.next() % 1000);
-    point.classification = static_cast<uint8_t>(random.next() % 9);
-    point.source = static_cast<uint16_t>(2 * i / count);
-    point.withheld = i % 7 == 3;
-    point.time = static_cast<double>(i) * 0.25;
-    for (uint16_t& v : point.rgb) v = static_cast<uint16_t>(random.next());
-    point.infrared = static_cast<uint16_t>(i);
-    point.extra = bytes_of(static_cast<float>(random.normal()));
-    file.points.push_back(point);
-  }
-  file.records = {LasFile::record("LASF_Spec", 4, LasFile::extra("width", 9))};
-  return file;
 }
 
 TEST(Laz, IsTheCloudOfTheLasFileForAnyNumberOfThreads) {

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "io/laz_files.h"
+#include "soapfilm/core/random.h"
 #include "support/process.h"
 
 namespace soapfilm::test {
@@ -82,6 +86,23 @@ class Mpirun : public testing::Test {
       std::filesystem::rename(folder.file(seed) + "/samples.ply", all + "/tile_" + seed + ".ply");
     }
     return all;
+  }
+  /// A LAZ file of a hilly ground, in chunks of 1,000 points.
+  static std::string ground() {
+    LasFile file;
+    file.format = 7;
+    file.minor = 4;
+    Random random(5);
+    for (size_t i = 0; i < 20000; ++i) {
+      LasPoint point;
+      const double x = 40 * random.uniform(), y = 40 * random.uniform();
+      const std::array<double, 3> place{x, y, 2 * std::sin(x / 5) * std::cos(y / 7)};
+      for (size_t k = 0; k < 3; ++k) point.xyz[k] = static_cast<int32_t>(1000 * place[k]);
+      point.withheld = i % 500 == 7;
+      point.source = static_cast<uint16_t>(i / 5000);
+      file.points.push_back(point);
+    }
+    return laz_of(file.bytes(), {.chunk_points = 1000});
   }
   /// The files that are there, but for the scan.
   size_t files() const {
@@ -200,6 +221,40 @@ TEST_F(Mpirun, OfBadTilesTheFirstIsNamed) {
   for (const char* tile : {"tile_4.ply", "tile_2.ply", "tile_1.ply"}) {
     std::filesystem::resize_file(all + "/" + tile, 5000);
     expect_line(tile);
+  }
+}
+
+/// Of which each process decodes some chunks. One of them is damaged then.
+TEST_F(Mpirun, ASingleLazFileGivesTheBytesOfOneProcess) {
+  std::string laz = ground();
+  const std::string path = folder.file("ground.laz");
+  const auto run_on = [&](const std::string& name, int ranks, const std::string& threads) {
+    const Words words{"reconstruct", path,    "-o",       folder.file(name + ".ply"), "--voxel", "0.5",
+                      "--threads",   threads, "--report", folder.file(name + ".json")};
+    return run_process(ranks == 1 ? program(words) : mpirun(ranks, words));
+  };
+  std::ofstream(path, std::ios::binary) << laz;
+  const ProcessResult whole = run_on("alone", 1, "1");
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_EQ(count_of(whole.err, "40 of 20000 points are marked as withheld"), 1u) << whole.err;
+  for (const int ranks : {2, 3, 5}) {
+    const ProcessResult done = run_on("mesh", ranks, ranks == 3 ? "2" : "1");
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_EQ(count_of(done.err, "points are marked as withheld"), 1u) << done.err;
+    EXPECT_TRUE(read_file(folder.file("mesh.ply")) == read_file(folder.file("alone.ply"))) << ranks;
+    EXPECT_EQ(report_of("mesh.json"), report_of("alone.json")) << ranks;
+  }
+  const auto first = laz::at<uint32_t>(laz, 96) + 8;
+  for (size_t k = first + (laz.size() - first) / 2; k < laz.size() - 1000; ++k) laz[k] = '\x5a';
+  std::ofstream(path, std::ios::binary) << laz;
+  const ProcessResult alone = run_on("mesh", 1, "1");
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_EQ(count_of(alone.err, "the file is damaged"), 1u) << alone.err;
+  for (const int ranks : {2, 3, 5}) {
+    const ProcessResult refused = run_on("mesh", ranks, "1");
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_EQ(count_of(refused.err, alone.err), 1u) << refused.err << "instead of\n" << alone.err;
+    EXPECT_EQ(count_of(refused.err, "soapfilm: "), 1u) << refused.err;
   }
 }
 

@@ -59,6 +59,7 @@ class LazLayoutReader {
   LazLayoutReader(ByteSource& source, const LasHeader& header) : source_(source), header_(header) {}
 
   LazLayout read(std::string_view record) {
+    layout_.points_offset = header_.points_offset;
     layout_.point_format = header_.point_format;
     layout_.record_bytes = header_.record_bytes;
     layout_.extra_bytes = header_.record_bytes - standard_bytes(header_.point_format);

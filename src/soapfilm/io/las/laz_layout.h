@@ -20,6 +20,7 @@ struct LazChunk {
 };
 
 struct LazLayout {
+  size_t points_offset = 0;  ///< what lies before says what the points are
   int point_format = 0;
   size_t record_bytes = 0;
   size_t extra_bytes = 0;  ///< of a record, at its end

@@ -55,45 +55,14 @@ void read_own(OwnFiles& own, const Context& context, const ReadOne& read) {
   }
 }
 
-/// All but the arrays of samples; of files that could not be read only why.
+/// All but the arrays of samples.
 std::vector<std::byte> packed_files(OwnFiles& own) {
   Packer to;
-  pack(to, own.error);
-  for (size_t k = 0; k < own.files.size() && own.error.kind == ErrorKind::none; ++k) {
+  for (size_t k = 0; k < own.files.size(); ++k) {
     pack(to, own.reports[k]);
     pack(to, own.clouds[k]);
   }
   return std::move(to.bytes);
-}
-
-/// Of each rank, on each.
-std::vector<std::vector<std::byte>> bytes_of_all(Ranks& ranks, std::vector<std::byte> own) {
-  std::vector<std::vector<std::byte>> all;
-  for (const size_t size : of_all(ranks, own.size())) all.emplace_back(size);
-  all[static_cast<size_t>(ranks.rank())] = std::move(own);
-  std::vector<Ranks::Message> out, in;
-  for (int r = 0; r < ranks.count(); ++r) {
-    if (r == ranks.rank()) continue;
-    std::vector<std::byte>&from_here = all[static_cast<size_t>(ranks.rank())], &to_here = all[static_cast<size_t>(r)];
-    out.push_back({r, from_here.data(), from_here.size()});
-    in.push_back({r, to_here.data(), to_here.size()});
-  }
-  ranks.exchange(out, in);
-  return all;
-}
-
-/// Once all know it: rank 0 first, whose line is the one that is printed. The others wait for it, so that it does not
-/// learn of their end before.
-[[noreturn]] void throw_on_all(Ranks& ranks, const ErrorMessage& error) {
-  uint8_t known = 1;
-  std::vector<Ranks::Message> out, in;
-  for (int r = 1; r < ranks.count() && ranks.rank() == 0; ++r) out.push_back({r, &known, 1});
-  if (ranks.rank() > 0) in.push_back({0, &known, 1});
-  try {
-    ranks.exchange(out, in);
-  } catch (const Cancelled&) {  // another rank has thrown it
-  }
-  throw_again(error);
 }
 
 /// Brings each rank the arrays of the cloud that each has; those of others have their sizes.
@@ -125,15 +94,9 @@ struct Round {
 /// What `own` and the other ranks have read, in order.
 void append_round(const Round& round, OwnFiles& own, Ranks& ranks, PointCloud& all, ReadReport& report) {
   const auto count = static_cast<size_t>(ranks.count());
+  throw_first(ranks, own.error);
   const std::vector<std::vector<std::byte>> bytes = bytes_of_all(ranks, packed_files(own));
   std::vector<Unpacker> from(bytes.begin(), bytes.end());
-  ErrorMessage first;
-  for (Unpacker& of_rank : from) {
-    ErrorMessage error;
-    pack(of_rank, error);
-    if (error.kind != ErrorKind::none && (first.kind == ErrorKind::none || error.file < first.file)) first = error;
-  }
-  if (first.kind != ErrorKind::none) throw_on_all(ranks, first);
   size_t taken = 0;
   for (size_t begin = round.begin; begin < round.end; begin += count) {
     const std::span<const int> readers = round.readers.subspan(begin, std::min(count, round.end - begin));
