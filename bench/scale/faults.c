@@ -2,6 +2,7 @@
 // full. failures.py compiles it and sets FAULT_UNDER (the folder), FAULT_CALL, FAULT_AT (which of these calls, from 1;
 // 0: none), FAULT_ERROR (errno), FAULT_STAYS (1: all later ones fail, too) and FAULT_LOG (a file that gets the name of
 // each call). In the folder FAULT_NAMED no file can be without a name, as on a network's file system.
+// FAULT_RATE: so many bytes a second each process can write to the files of FAULT_UNDER.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -44,15 +45,30 @@ static int fails(const char* call, const char* path) {
   return 1;
 }
 
+/// The path of an open file; null if it has none.
+static const char* path_of(int file, char path[PATH_MAX]) {
+  char link[64];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  const ssize_t length = syscall(SYS_readlink, link, path, PATH_MAX - 1);
+  if (length < 0) return NULL;
+  path[length] = 0;
+  return path;
+}
+
 /// The same for the file that is open as `file`.
 static int fails_on(const char* call, int file) {
-  char link[64], path[PATH_MAX];
+  char path[PATH_MAX];
   if (file <= STDERR_FILENO) return 0;  // what is said is not a file of the run
-  snprintf(link, sizeof link, "/proc/self/fd/%d", file);
-  const ssize_t length = syscall(SYS_readlink, link, path, sizeof path - 1);
-  if (length < 0) return 0;
-  path[length] = 0;
-  return fails(call, path);
+  return fails(call, path_of(file, path));
+}
+
+/// The same of a write of `count` bytes, which takes its time.
+static int fails_to_write(int file, size_t count) {
+  char path[PATH_MAX];
+  const char *under = setting("FAULT_UNDER"), *rate = setting("FAULT_RATE");
+  if (rate[0] && under[0] && file > STDERR_FILENO && path_of(file, path) && !strncmp(path, under, strlen(under)))
+    usleep((useconds_t)(1e6 * (double)count / atof(rate)));
+  return fails_on("write", file);
 }
 
 /// Whether the call would open a file without a name where there are none; errno is set then.
@@ -87,11 +103,12 @@ MAY_FAIL_TO_OPEN(open64)
 MAY_FAIL(FILE*, fopen, (const char* path, const char* mode), (path, mode), fails("open", path), NULL)
 MAY_FAIL(FILE*, fopen64, (const char* path, const char* mode), (path, mode), fails("open", path), NULL)
 MAY_FAIL(ssize_t, read, (int file, void* to, size_t count), (file, to, count), fails_on("read", file), -1)
-MAY_FAIL(ssize_t, write, (int file, const void* from, size_t count), (file, from, count), fails_on("write", file), -1)
+MAY_FAIL(ssize_t, write, (int file, const void* from, size_t count), (file, from, count), fails_to_write(file, count),
+         -1)
 MAY_FAIL(ssize_t, pwrite, (int file, const void* from, size_t count, off_t at), (file, from, count, at),
-         fails_on("write", file), -1)
+         fails_to_write(file, count), -1)
 MAY_FAIL(ssize_t, pwrite64, (int file, const void* from, size_t count, off64_t at), (file, from, count, at),
-         fails_on("write", file), -1)
+         fails_to_write(file, count), -1)
 MAY_FAIL(ssize_t, writev, (int file, const struct iovec* from, int count), (file, from, count),
          fails_on("write", file), -1)
 MAY_FAIL(int, fsync, (int file), (file), fails_on("fsync", file), -1)
