@@ -33,7 +33,7 @@ void close_ranks(Ranks& ranks) { static_cast<MpiRanks&>(ranks).close(); }
 
 namespace {
 
-/// mpirun ends all ranks when one of them was killed, and does not wait long for them: what it has left goes first.
+/// When a rank was killed mpirun ends the others, and does not wait long: files that the killed one left go first.
 void end_if_cancelled(const Context& context) {
   try {
     context.check();

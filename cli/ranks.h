@@ -1,4 +1,4 @@
-// A run on several processes, started by mpirun. Rank 0 prints and writes.
+// A run on several processes, started by mpirun. Rank 0 prints; all write the mesh.
 #pragma once
 
 #include <memory>

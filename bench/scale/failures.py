@@ -254,7 +254,7 @@ class Bench:
             run.prepare(True)
             run.start({**{k: str(v) for k, v in base.items()}, "FAULT_LOG": str(log)})
             run.end()
-            for call in log.read_text().split():
+            for call in (line.split()[0] for line in log.read_text().splitlines()):
                 counts.setdefault((call, parts, ranks), 0)
                 counts[call, parts, ranks] += 1
         for (call, parts, ranks), all_calls in sorted(counts.items()):

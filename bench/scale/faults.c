@@ -1,7 +1,7 @@
 // Preloaded into a program (LD_PRELOAD): one of its calls on files of a folder fails, as on a disk that is broken or
 // full. failures.py compiles it and sets FAULT_UNDER (the folder), FAULT_CALL, FAULT_AT (which of these calls, from 1;
 // 0: none), FAULT_ERROR (errno), FAULT_STAYS (1: all later ones fail, too) and FAULT_LOG (a file that gets the name of
-// each call). In the folder FAULT_NAMED no file can be without a name, as on a network's file system.
+// each call and the number of its process). Only soapfilm's own files count, not those of Open MPI. In the folder FAULT_NAMED no file can be without a name, as on a network's file system.
 // FAULT_RATE: so many bytes a second each process can write to the files of FAULT_UNDER.
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -28,7 +28,7 @@ static void log_call(const char* call) {
   if (file == 0 && setting("FAULT_LOG")[0])
     file = (int)syscall(SYS_openat, AT_FDCWD, setting("FAULT_LOG"), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   char line[64];
-  const int length = snprintf(line, sizeof line, "%s\n", call);
+  const int length = snprintf(line, sizeof line, "%s %d\n", call, (int)getpid());
   if (file > 0) syscall(SYS_write, file, line, length);
 }
 
@@ -37,6 +37,7 @@ static int fails(const char* call, const char* path) {
   static atomic_int done;
   const char* under = setting("FAULT_UNDER");
   if (!under[0] || !path || strncmp(path, under, strlen(under)) != 0) return 0;
+  if (strncmp(program_invocation_short_name, "soapfilm", 8) != 0 || strstr(path, "/ompi.")) return 0;
   log_call(call);
   if (strcmp(call, setting("FAULT_CALL")) != 0) return 0;
   const int at = atoi(setting("FAULT_AT")), now = ++done;

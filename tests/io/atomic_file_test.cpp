@@ -76,7 +76,10 @@ TEST(AtomicFile, APipeIsWrittenToDirectly) {
   const TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder / "pipe.ply").c_str(), 0600), 0);
   const PointCloud cloud = rich_cloud(1, 90, 90, 1);
-  std::thread writer([&] { write_points(folder / "pipe.ply", cloud); });
+  std::thread writer([&] {
+    check_output(folder / "pipe.ply");  // before a long run: the reader waits on
+    write_points(folder / "pipe.ply", cloud);
+  });
   const PointCloud read = read_points(folder / "pipe.ply");
   writer.join();
   EXPECT_EQ(read.positions, cloud.positions);

@@ -85,7 +85,7 @@ TEST(RankBlocks, GiveTheBytesOfOneProcess) {
     }
 }
 
-/// What is not written by blocks would be the bytes of another file.
+/// Also over an old file, and one that rank 0 writes alone.
 TEST(RankBlocks, WriteFilesOneAfterTheOther) {
   const TemporaryFolder folder;
   const std::string first = some_bytes(5 * block), second = some_bytes(4 * block + 3);

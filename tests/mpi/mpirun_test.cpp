@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -150,6 +151,35 @@ TEST_F(Mpirun, GivesTheBytesOfOneProcess) {
       EXPECT_EQ(rank["seconds"].items().begin().key(), "read");
       EXPECT_LT(rank["exchange_share"].get<double>(), 1);
     }
+  }
+}
+
+/// Also where a file must have a name from the beginning, as on a network's file system.
+TEST_F(Mpirun, RanksWriteTheMeshTogether) {
+  ASSERT_EQ(run_process(program(reconstruct("alone.ply"))).exit_code, 0);
+  std::filesystem::create_directory(folder.file("out"));
+  for (const bool needs_name : {false, true}) {
+    const Words variables{"/usr/bin/env", std::string("LD_PRELOAD=") + SOAPFILM_FAULTS,
+                          "FAULT_UNDER=" + folder.file("out"), "FAULT_LOG=" + folder.file("calls"),
+                          "FAULT_NAMED=" + folder.file(needs_name ? "out" : "")};
+    Words words = mpirun(3, reconstruct("out/mesh.ply"));
+    words.insert(words.begin(), variables.begin(), variables.end());
+    const ProcessResult done = run_process(words);
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_TRUE(read_file(folder.file("out/mesh.ply")) == read_file(folder.file("alone.ply")));
+    std::set<int> writers;
+    std::ifstream calls(folder.file("calls"));
+    bool renamed = false;
+    int process = 0;
+    for (std::string call; calls >> call >> process;) {
+      if (call == "write") writers.insert(process);
+      renamed = renamed || call == "rename";
+    }
+    EXPECT_EQ(writers.size(), 3u);
+    EXPECT_EQ(renamed, needs_name);
+    std::filesystem::remove(folder.file("calls"));
+    std::filesystem::remove(folder.file("out/mesh.ply"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.file("out")));
   }
 }
 

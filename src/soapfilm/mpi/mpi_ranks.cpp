@@ -153,10 +153,23 @@ void MpiRanks::complete_open() {
   }
 }
 
-/// Before the memory of what is exchanged is freed: once all ranks have stopped, none reads or writes it any more.
+/// Before the memory of what is exchanged is freed: once all ranks have stopped, none reads or writes it any more. A
+/// rank stops when it receives nothing any more: what has begun to arrive cannot be cancelled, and who sends it needs
+/// its memory until then.
 void MpiRanks::stop(size_t receives) {
   std::vector<MPI_Request>& open = world_->open;
   for (size_t k = 0; k < receives; ++k) MPI_Cancel(&open[k]);
+  const auto begin = std::chrono::steady_clock::now();
+  Patience patience;
+  const auto wait = [&] {
+    // The rank that failed waits for a shorter time: it has the line.
+    if (std::chrono::steady_clock::now() - begin > longest_wait * 5 / 4) abort({});
+    patience.wait();
+  };
+  for (int done = 0;; wait()) {
+    MPI_Testall(static_cast<int>(receives), open.data(), &done, MPI_STATUSES_IGNORE);
+    if (done) break;
+  }
   for (int r = 0; r < count(); ++r)
     if (r != rank()) {
       MPI_Request sent = MPI_REQUEST_NULL;
@@ -164,15 +177,9 @@ void MpiRanks::stop(size_t receives) {
       MPI_Request_free(&sent);
     }
   world_->stopped[static_cast<size_t>(rank())] = true;
-  const auto begin = std::chrono::steady_clock::now();
-  Patience patience;
-  for (int done = 0;;) {
-    MPI_Testall(static_cast<int>(receives), open.data(), &done, MPI_STATUSES_IGNORE);
+  for (;; wait()) {
     look_for_failures();
-    if (done && std::find(world_->stopped.begin(), world_->stopped.end(), false) == world_->stopped.end()) break;
-    // The rank that failed waits for a shorter time: it has the line.
-    if (std::chrono::steady_clock::now() - begin > longest_wait * 5 / 4) abort({});
-    patience.wait();
+    if (std::find(world_->stopped.begin(), world_->stopped.end(), false) == world_->stopped.end()) break;
   }
   open.erase(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(receives));
 }
@@ -190,7 +197,7 @@ MpiRanks::End MpiRanks::leave(const End& own) {
       sent.push_back(MPI_REQUEST_NULL);
       MPI_Isend(&end, sizeof end, MPI_BYTE, r, end_tag, world_->ends, &sent.back());
     }
-  // Rank 0 writes the mesh while the others wait, which may take long; after a failure nothing does.
+  // Others may do something long before they end; after a failure nothing does.
   Patience patience;
   auto failed_at = std::chrono::steady_clock::time_point::max();
   for (int done = 0;;) {

@@ -9,7 +9,8 @@ namespace soapfilm {
 /// errno, EOPNOTSUPP where the file system or the platform has no such files.
 int open_unnamed_file(const std::string& folder, unsigned mode);
 
-/// Another name of such a file, while it is open, for all processes of this machine; empty where there is none.
+/// Another name of such a file, while it is open, for other processes of the same user on this machine; empty where
+/// there is none.
 std::string name_for_others(int file);
 
 /// Gives it a name in its folder. Where the name exists, it has at every moment the old contents or all of the new.

@@ -53,6 +53,7 @@ void AtomicFile::open_temporary(Ranks* ranks) {
     slot_ = remember_temporary(name);
     return;
   }
+  errno = EEXIST;
 }
 
 void AtomicFile::share(Ranks& ranks) {
@@ -64,11 +65,9 @@ void AtomicFile::share(Ranks& ranks) {
 void AtomicFile::finish() {
   flush();
   buffer_.reset();
-  if (blocks_)
-    if (const int error = blocks_->finish()) fail(error);
-  blocks_.reset();
   if (is_direct_) return;
-  if (const int error = store_file(file_.get())) fail(error);
+  if (const int error = blocks_ ? blocks_->finish() : store_file(file_.get())) fail(error);
+  blocks_.reset();
 }
 
 void AtomicFile::close_until_commit() {
@@ -123,6 +122,12 @@ void write_text_file(const std::string& path, const std::string& text) {
   file.commit();
 }
 
-void check_output(const std::string& path) { const io::AtomicFile file(path); }
+void check_output(const std::string& path) {
+  // Who reads from a pipe would take the end of this look for the end of the file.
+  struct stat status {};
+  const bool is_pipe = ::stat(path.c_str(), &status) == 0 && S_ISFIFO(status.st_mode);
+  if (is_pipe && ::access(path.c_str(), W_OK) == 0) return;
+  const io::AtomicFile file(path);
+}
 
 }  // namespace soapfilm

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <random>
 #include <type_traits>
 #include <utility>
@@ -22,10 +21,10 @@ using Mark = std::array<uint32_t, 4>;
 
 /// From rank 0 to another one.
 struct Order {
-  enum Kind : uint64_t { own, open, write, close, end };
+  enum Kind : uint64_t { temporary, open, write, close, end };
   Kind kind = end;
   uint64_t offset = 0;  ///< of write
-  uint64_t bytes = 0;   ///< that follow: the block; the path of own, which is to go if the run fails, and of open
+  uint64_t bytes = 0;   ///< that follow: the block; the path of open, and of temporary, which goes if the run fails
   Mark mark{};          ///< of open
 };
 
@@ -54,7 +53,8 @@ int write_at(int file, std::string_view bytes, uint64_t offset) {
   while (!bytes.empty()) {
     const ssize_t written = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
+    // What is written may be an array on a disk that has lost its pages.
+    if (written < 0) return errno == EFAULT ? EIO : errno;
     bytes.remove_prefix(static_cast<size_t>(written));
     offset += static_cast<uint64_t>(written);
   }
@@ -73,15 +73,14 @@ class BlockWriter {
   }
 
   /// A file that is to have this name until it is complete.
-  bool own(const std::string& path) {
-    names_.emplace_back(path, remember_temporary(path));
-    return true;
-  }
+  void remember(const std::string& path) { names_.emplace_back(path, remember_temporary(path)); }
   /// Whether the path is the file with this mark.
   bool open(const std::string& path, const Mark& expected) {
     error_ = 0;
     struct stat status {};
-    if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
+    const bool can_be = ::stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+                        status.st_size == static_cast<off_t>(sizeof(Mark));
+    if (!can_be) return false;  // nothing is done to a file of others
     file_.reset(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
     Mark mark{};
     const bool is_same =
@@ -111,25 +110,22 @@ class BlockWriter {
 
 RankBlocks::RankBlocks(Ranks& ranks, int file, std::string path, bool has_name)
     : ranks_(ranks), file_(file), path_(std::move(path)), has_name_(has_name) {
-  round_.resize(block_bytes * std::min(static_cast<size_t>(ranks_.count()), most_writers));
+  blocks_.resize(std::min(static_cast<size_t>(ranks_.count()), most_writers));
 }
 
 int RankBlocks::append(std::string_view bytes) {
   while (!bytes.empty()) {
     if (writers_.size() == 1) return write_own(bytes);
-    const size_t some = bytes.copy(round_.data() + used_, round_.size() - used_);
+    std::unique_ptr<char[]>& block = blocks_[used_ / block_bytes];
+    if (!block) block = std::make_unique_for_overwrite<char[]>(block_bytes);
+    const size_t begin = used_ % block_bytes, some = bytes.copy(block.get() + begin, block_bytes - begin);
     bytes.remove_prefix(some);
     used_ += some;
-    if (used_ < round_.size()) continue;
-    if (const int error = share_out()) return error;
+    if (used_ < blocks_.size() * block_bytes) continue;
+    if (const int error = writers_.empty() ? find_writers() : 0) return error;
+    if (const int error = write_round()) return error;
   }
   return 0;
-}
-
-int RankBlocks::share_out() {
-  if (writers_.empty())
-    if (const int error = find_writers()) return error;
-  return write_round();
 }
 
 /// Asks the others to open the file.
@@ -152,25 +148,27 @@ int RankBlocks::find_writers() {
   return 0;
 }
 
+/// Of the round.
+std::string_view RankBlocks::block(size_t k) const {
+  return {blocks_[k].get(), std::min(block_bytes, used_ - k * block_bytes)};
+}
+
 int RankBlocks::write_round() {
-  const size_t blocks = (used_ + block_bytes - 1) / block_bytes;
-  const auto block = [&](size_t k) {
-    return std::string_view(round_.data(), used_).substr(k * block_bytes, block_bytes);
-  };
-  std::vector<Order> orders(blocks);
+  const size_t count = (used_ + block_bytes - 1) / block_bytes;
+  std::vector<Order> orders(count);
   std::vector<Ranks::Message> out;
-  for (size_t k = 0; k < blocks; ++k) {
+  for (size_t k = 0; k < count; ++k) {
     const int writer = writers_[k % writers_.size()];
     if (writer == 0) continue;
     orders[k].kind = Order::write;
     orders[k].offset = written_ + k * block_bytes;
     orders[k].bytes = block(k).size();
     out.push_back(message(writer, orders[k]));
-    out.push_back({writer, round_.data() + k * block_bytes, block(k).size()});
+    out.push_back({writer, blocks_[k].get(), block(k).size()});
   }
   ranks_.exchange(out, {});
   int error = 0;
-  for (size_t k = 0; k < blocks && error == 0; k += writers_.size())
+  for (size_t k = 0; k < count && error == 0; k += writers_.size())
     error = write_at(file_, block(k), written_ + k * block_bytes);
   written_ += used_;
   used_ = 0;
@@ -194,7 +192,11 @@ int RankBlocks::finish() {
     out.push_back(message(have_file_[k], order));
     in.push_back(message(have_file_[k], errors[k]));
   }
-  ranks_.exchange(out, in);
+  // The others store it at the same time. They are heard last, for one that gave up has removed a file with a name.
+  ranks_.exchange(out, {});
+  const int own_error = store_file(file_);
+  ranks_.exchange({}, in);
+  if (own_error != 0) return own_error;
   const auto first = std::find_if(errors.begin(), errors.end(), [](int error) { return error != 0; });
   return first == errors.end() ? 0 : *first;
 }
@@ -209,8 +211,9 @@ void write_blocks(Ranks& ranks) {
     bytes.resize(static_cast<size_t>(order.bytes));
     if (order.bytes > 0) ranks.exchange({}, {message(0, bytes)});
     switch (order.kind) {
-      case Order::own:
-        answer(uint8_t{writer.own(bytes)});
+      case Order::temporary:
+        writer.remember(bytes);
+        answer(uint8_t{1});
         break;
       case Order::open:
         answer(uint8_t{writer.open(bytes, order.mark)});
@@ -229,7 +232,7 @@ void write_blocks(Ranks& ranks) {
 
 void tell_temporary(Ranks& ranks, const std::string& path) {
   Order order;
-  order.kind = Order::own;
+  order.kind = Order::temporary;
   send_path(order, path, ranks);
 }
 

@@ -16,10 +16,10 @@ namespace soapfilm::io {
 
 namespace {
 
-constexpr size_t parts = 16;  // of as many points as may be decoded at once, for the chunks that have more
+constexpr size_t parts_of_large = 16;  // of as many points as may be decoded at once, for the chunks that have more
 constexpr size_t chunks_per_thread = 2;
 
-/// What it throws, but for the end of the run.
+/// The exception of call(), null if there is none; Cancelled goes on.
 template <class Call>
 std::exception_ptr error_of(Call&& call) {
   try {
@@ -100,7 +100,7 @@ LazReader::Batch LazReader::next_batch() {
   if (batch.chunks == 0) {
     if (left_ == 0 && next_chunk_ < chunks.size()) left_ = static_cast<size_t>(chunks[next_chunk_++].points);
     batch.is_part = left_ > 0;
-    batch.points = std::min(left_, std::max<size_t>(most_points_ / parts, 1));
+    batch.points = std::min(left_, std::max<size_t>(most_points_ / parts_of_large, 1));
     batch.chunks = batch.is_part ? 1 : 0;
     left_ -= batch.points;
   }
