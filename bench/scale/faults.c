@@ -1,8 +1,9 @@
 // Preloaded into a program (LD_PRELOAD): one of its calls on files of a folder fails, as on a disk that is broken or
 // full. failures.py compiles it and sets FAULT_UNDER (the folder), FAULT_CALL, FAULT_AT (which of these calls, from 1;
 // 0: none), FAULT_ERROR (errno), FAULT_STAYS (1: all later ones fail, too) and FAULT_LOG (a file that gets the name of
-// each call and the number of its process). Only soapfilm's own files count, not those of Open MPI. In the folder FAULT_NAMED no file can be without a name, as on a network's file system.
-// FAULT_RATE: so many bytes a second each process can write to the files of FAULT_UNDER.
+// each call and the number of its process). Only soapfilm's own files count, not those of Open MPI. In the folder
+// FAULT_NAMED no file can be without a name, as on a network's file system. FAULT_RATE: so many bytes a second each
+// process can write to the files of FAULT_UNDER.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
