@@ -120,7 +120,8 @@ TEST(RankBlocks, ARankWithoutTheFileTakesNoPart) {
   const TemporaryFolder folder;
   const std::string bytes = some_bytes(6 * block), other = some_bytes(10 * block);
   folder.write("other", other);
-  for (const char* path : {"other", "absent", "."}) {
+  folder.write("as large as a mark", std::string(16, 'x'));
+  for (const char* path : {"other", "as large as a mark", "absent", "."}) {
     const uint64_t sent = write_on_ranks(3, [&](const Context& context) {
       const io::FileDescriptor file(::open((folder / "file").c_str(), O_RDWR | O_CREAT | O_TRUNC, 0600));
       RankBlocks blocks(*ranks_of(context), file.get(), folder / path, false);
@@ -130,6 +131,7 @@ TEST(RankBlocks, ARankWithoutTheFileTakesNoPart) {
     });
     EXPECT_TRUE(folder.read("file") == bytes) << path;
     EXPECT_TRUE(folder.read("other") == other) << path;
+    EXPECT_EQ(folder.read("as large as a mark"), std::string(16, 'x'));
     EXPECT_LT(sent, 2000u) << path;
   }
 }
