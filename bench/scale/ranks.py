@@ -5,6 +5,7 @@ thread each. PAGE gets the table. CPU seconds are those of rank 0, which has the
 Memory is the largest resident set of a process."""
 import hashlib
 import json
+import mmap
 import os
 import platform
 import re
@@ -16,6 +17,7 @@ from pathlib import Path
 import marked
 
 HERE = Path(__file__).resolve().parent
+rounds = 3
 
 
 def digest(path):
@@ -46,7 +48,23 @@ def peaks_below(process, peaks):
             peaks[child] = int(peak[1]) * 1024
 
 
+def touch_memory():
+    size = min(12 << 30, os.sysconf("SC_AVPHYS_PAGES") * mmap.PAGESIZE // 2)
+    with mmap.mmap(-1, size) as memory:
+        memory.madvise(mmap.MADV_HUGEPAGE)
+        for at in range(0, size, mmap.PAGESIZE):
+            memory[at] = 1
+
+
+def totals(report):
+    """Seconds, and CPU seconds by stage, without what is the report's own."""
+    others = ("total", "check", "measure")
+    return (sum(s for name, s in report["seconds"].items() if name not in others),
+            {name: s for name, s in report["cpu_seconds"].items() if name not in others})
+
+
 def measured(words, report):
+    touch_memory()
     begin = time.monotonic()
     child = subprocess.Popen([str(w) for w in words], stderr=subprocess.PIPE, text=True)
     peaks = {}
@@ -59,50 +77,77 @@ def measured(words, report):
     return {"elapsed": elapsed, "peaks": sorted(peaks.values()), "report": json.loads(report.read_text())}
 
 
+def reconstruct(programs, scans, resolution, count, mesh, report):
+    """One run of some processes; what it measured, and what its mesh is."""
+    words = ["reconstruct", scans / "scans.conf", "--resolution", resolution, "--threads", "1", "-o", mesh, "--report",
+             report]
+    if count == 1:
+        run = measured([programs / "soapfilm", *words], report)
+    else:
+        run = measured(["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", count, programs / "soapfilm-mpi",
+                        *words], report)
+    run["seconds"], run["cpu"] = totals(run["report"])
+    run["ranks"] = run["report"].get("ranks", [])
+    # Rank 0 does all that one process does but what others do, and what it waits for.
+    run["busy"] = sum(run["cpu"].values()) - (run["ranks"][0]["exchange_cpu_seconds"] if run["ranks"] else 0)
+    run["mesh"] = digest(mesh)
+    return run
+
+
+def two_at_once(programs, scans, resolution, work):
+    """Seconds of the slower of two runs of one process that know nothing of each other."""
+    reports = [work / f"alone-{k}.json" for k in range(2)]
+    touch_memory()
+    children = [subprocess.Popen([programs / "soapfilm", "--quiet", "reconstruct", scans / "scans.conf", "--resolution",
+                                  str(resolution), "--threads", "1", "-o", report.with_suffix(".ply"), "--report", report])
+                for report in reports]
+    if any([child.wait() for child in children]):
+        sys.exit("a run of the control failed")
+    return max(totals(json.loads(report.read_text()))[0] for report in reports)
+
+
+def row(count, run, alone, same):
+    shares = ", ".join(f"{100 * r['exchange_share']:.0f} %" for r in run["ranks"]) or "-"
+    sent = sum(r["sent_bytes"] for r in run["ranks"]) / 1e6
+    memory = ", ".join(f"{p / 1e6:.0f}" for p in run["peaks"] or [run["report"]["memory"]["peak_bytes"]])
+    parts = ", ".join(f"{run['cpu'][s]:.1f}" for s in ("solve", "refine", "relax"))
+    return (f"| {count} | {run['seconds']:.1f} | {alone['seconds'] / run['seconds']:.2f} | {run['busy']:.1f} "
+            f"| {alone['busy'] / run['busy']:.2f} | {parts} | {shares} | {sent:.0f} | {memory} "
+            f"| {'yes' if same else '**no**'} |")
+
+
 def main():
     programs, work, page = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.argv[3])
     resolution = int(sys.argv[4]) if len(sys.argv) > 4 else 1024
     counts = [int(a) for a in sys.argv[5:]] or [1, 2]
-    scans, mesh, report = work / f"torus-{resolution}", work / "mesh.ply", work / "report.json"
+    scans = work / f"torus-{resolution}"
     work.mkdir(parents=True, exist_ok=True)
     side = resolution * 25 // 32
     if not scans.exists():
         subprocess.run([programs / "soapfilm", "--quiet", "scan", "torus", "-o", scans, "--image", f"{side}x{side}",
                         "--views", "12", "--seed", "1"], check=True)
-    rows, expected, alone = [], None, None  # alone: seconds and CPU seconds of one process
-    for count in counts:
-        words = ["reconstruct", scans / "scans.conf", "--resolution", resolution, "--threads", "1", "-o", mesh, "--report",
-                 report]
-        if count == 1:
-            run = measured([programs / "soapfilm", *words], report)
-        else:
-            run = measured(["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", count, programs / "soapfilm-mpi",
-                            *words], report)
-        found = digest(mesh)
-        expected = expected or found
-        ranks = run["report"].get("ranks", [])
-        report_cpu, seconds = run["report"]["cpu_seconds"], run["report"]["seconds"]
-        others = ("total", "check", "measure")  # the report's own
-        # Rank 0 does all that one process does but what others do, and what it waits for.
-        waiting = ranks[0]["exchange_cpu_seconds"] if ranks else 0
-        busy = sum(report_cpu[s] for s in report_cpu if s not in others) - waiting
-        total = sum(seconds[s] for s in seconds if s not in others)
-        alone = alone or (total, busy)
-        shares = ", ".join(f"{100 * r['exchange_share']:.0f} %" for r in ranks) or "-"
-        sent = sum(r["sent_bytes"] for r in ranks) / 1e6
-        memory = ", ".join(f"{p / 1e6:.0f}" for p in run["peaks"] or [run["report"]["memory"]["peak_bytes"]])
-        same = "yes" if found == expected else "**no**"
-        parts = ", ".join(f"{report_cpu[s]:.1f}" for s in ("solve", "refine", "relax"))
-        rows.append(f"| {count} | {total:.1f} | {alone[0] / total:.2f} | {busy:.1f} | {alone[1] / busy:.2f} | {parts} "
-                    f"| {shares} | {sent:.0f} | {memory} | {same} |")
-        print(rows[-1], flush=True)
+    runs, controls = {count: [] for count in counts}, []
+    for _ in range(rounds):
+        for count in counts:
+            run = reconstruct(programs, scans, resolution, count, work / "mesh.ply", work / "report.json")
+            runs[count].append(run)
+            print(f"{count}: {run['seconds']:.1f} s, {run['busy']:.1f} CPU s", flush=True)
+        controls.append(two_at_once(programs, scans, resolution, work))
+    fastest = {count: min(runs[count], key=lambda run: run["seconds"]) for count in counts}
+    alone = fastest[counts[0]]
+    rows = [row(count, fastest[count], alone, all(run["mesh"] == alone["mesh"] for run in runs[count]))
+            for count in counts]
+    shortest = min(controls)
+    control = (f"Two runs of one process at once, the control: {shortest:.1f} s, {shortest / alone['seconds']:.2f} times as "
+               "long as one alone.")
     commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
     facts = (f"Commit {commit.stdout.strip()}, torus of {resolution}, {os.cpu_count()} CPUs, "
-             f"Linux {platform.release().split('-')[0]}; load of the machine at the end {os.getloadavg()[1]:.1f}.")
+             f"Linux {platform.release().split('-')[0]}; each the fastest of {rounds} runs, taken in turns.")
     table = ["| processes | seconds | speed-up | CPU s of rank 0, without waiting | speed-up by these | of them and of waiting: "
              "solve, refine, relax | share of exchanging and waiting, each | MB sent | MB of memory, each | same bytes |",
              "|---|---|---|---|---|---|---|---|---|---|", *rows]
-    marked.write(page, "ranks.py", facts + "\n\n" + "\n".join(table) + "\n")
+    print("\n".join([*rows, control]))
+    marked.write(page, "ranks.py", facts + "\n\n" + "\n".join(table) + "\n\n" + control + "\n")
 
 
 if __name__ == "__main__":
