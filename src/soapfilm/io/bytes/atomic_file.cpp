@@ -97,17 +97,7 @@ void AtomicFile::flush() {
 }
 
 void AtomicFile::write_out(std::string_view bytes) {
-  if (blocks_) {
-    if (const int error = blocks_->append(bytes)) fail(error);
-    return;
-  }
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file_.get(), bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    // What is written may be an array on a disk that has lost its pages.
-    if (written < 0) fail(errno == EFAULT ? EIO : errno);
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
+  if (const int error = blocks_ ? blocks_->append(bytes) : write_all(file_.get(), bytes)) fail(error);
 }
 
 void AtomicFile::fail(int error) const { throw OutputError(path_ + ": cannot be written: " + error_text(error)); }

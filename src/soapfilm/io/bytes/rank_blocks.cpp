@@ -48,19 +48,6 @@ std::vector<uint8_t> send_path(Order order, std::string path, Ranks& ranks) {
   return answers;
 }
 
-/// Returns 0 or an error number.
-int write_at(int file, std::string_view bytes, uint64_t offset) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
-    // What is written may be an array on a disk that has lost its pages.
-    if (written < 0) return errno == EFAULT ? EIO : errno;
-    bytes.remove_prefix(static_cast<size_t>(written));
-    offset += static_cast<uint64_t>(written);
-  }
-  return 0;
-}
-
 /// The files of another rank, one after the other.
 class BlockWriter {
  public:
@@ -89,7 +76,7 @@ class BlockWriter {
     return is_same;
   }
   void write(std::string_view block, uint64_t offset) {
-    if (error_ == 0) error_ = write_at(file_.get(), block, offset);
+    if (error_ == 0) error_ = write_all(file_.get(), block, offset);
   }
   /// Returns 0 or the first error number of the file.
   int close() {
@@ -134,7 +121,7 @@ int RankBlocks::find_writers() {
   order.kind = Order::open;
   std::random_device random;
   for (uint32_t& part : order.mark) part = random();
-  if (const int error = write_at(file_, {reinterpret_cast<const char*>(&order.mark), sizeof order.mark}, 0))
+  if (const int error = write_all(file_, {reinterpret_cast<const char*>(&order.mark), sizeof order.mark}, 0))
     return error;
   if (has_name_)  // on a network's file system others see what is stored
     if (const int error = store_file(file_)) return error;
@@ -169,14 +156,14 @@ int RankBlocks::write_round() {
   ranks_.exchange(out, {});
   int error = 0;
   for (size_t k = 0; k < count && error == 0; k += writers_.size())
-    error = write_at(file_, block(k), written_ + k * block_bytes);
+    error = write_all(file_, block(k), written_ + k * block_bytes);
   written_ += used_;
   used_ = 0;
   return error;
 }
 
 int RankBlocks::write_own(std::string_view bytes) {
-  const int error = write_at(file_, bytes, written_);
+  const int error = write_all(file_, bytes, written_);
   written_ += bytes.size();
   return error;
 }
