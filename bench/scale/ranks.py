@@ -2,7 +2,9 @@
 
 A torus is scanned and reconstructed by soapfilm and, under mpirun, by soapfilm-mpi, both in the folder PROGRAMS; one
 thread each. PAGE gets the table. CPU seconds are those of rank 0, which has the most to do, without the report's check.
-Memory is the largest resident set of a process."""
+Memory is the largest resident set of a process. All are run in turns, the fastest of ROUNDS each is shown. Before each
+run memory is touched: a virtual machine may have given it back to its host, and gets it again slowly. The control is
+two runs of one process at once: what they take longer than one alone is the machine's."""
 import hashlib
 import json
 import mmap
@@ -17,7 +19,7 @@ from pathlib import Path
 import marked
 
 HERE = Path(__file__).resolve().parent
-rounds = 3
+ROUNDS = 3
 
 
 def digest(path):
@@ -65,22 +67,24 @@ def totals(report):
 
 def measured(words, report):
     touch_memory()
-    begin = time.monotonic()
     child = subprocess.Popen([str(w) for w in words], stderr=subprocess.PIPE, text=True)
     peaks = {}
     while child.poll() is None:
         peaks_below(child.pid, peaks)
         time.sleep(0.02)
-    elapsed = time.monotonic() - begin
     if child.returncode:
         sys.exit(f"{' '.join(map(str, words))}\nexit code {child.returncode}: {child.stderr.read()}")
-    return {"elapsed": elapsed, "peaks": sorted(peaks.values()), "report": json.loads(report.read_text())}
+    return {"peaks": sorted(peaks.values()), "report": json.loads(report.read_text())}
+
+
+def words_of(scans, resolution, mesh, report):
+    return ["reconstruct", scans / "scans.conf", "--resolution", str(resolution), "--threads", "1", "-o", mesh,
+            "--report", report]
 
 
 def reconstruct(programs, scans, resolution, count, mesh, report):
     """One run of some processes; what it measured, and what its mesh is."""
-    words = ["reconstruct", scans / "scans.conf", "--resolution", resolution, "--threads", "1", "-o", mesh, "--report",
-             report]
+    words = words_of(scans, resolution, mesh, report)
     if count == 1:
         run = measured([programs / "soapfilm", *words], report)
     else:
@@ -98,10 +102,9 @@ def two_at_once(programs, scans, resolution, work):
     """Seconds of the slower of two runs of one process that know nothing of each other."""
     reports = [work / f"alone-{k}.json" for k in range(2)]
     touch_memory()
-    children = [subprocess.Popen([programs / "soapfilm", "--quiet", "reconstruct", scans / "scans.conf", "--resolution",
-                                  str(resolution), "--threads", "1", "-o", report.with_suffix(".ply"), "--report", report])
-                for report in reports]
-    if any([child.wait() for child in children]):
+    children = [subprocess.Popen([programs / "soapfilm", "--quiet",
+                                  *words_of(scans, resolution, report.with_suffix(".ply"), report)]) for report in reports]
+    if any([child.wait() for child in children]):  # a list: all are waited for
         sys.exit("a run of the control failed")
     return max(totals(json.loads(report.read_text()))[0] for report in reports)
 
@@ -127,7 +130,7 @@ def main():
         subprocess.run([programs / "soapfilm", "--quiet", "scan", "torus", "-o", scans, "--image", f"{side}x{side}",
                         "--views", "12", "--seed", "1"], check=True)
     runs, controls = {count: [] for count in counts}, []
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         for count in counts:
             run = reconstruct(programs, scans, resolution, count, work / "mesh.ply", work / "report.json")
             runs[count].append(run)
@@ -142,7 +145,7 @@ def main():
                "long as one alone.")
     commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
     facts = (f"Commit {commit.stdout.strip()}, torus of {resolution}, {os.cpu_count()} CPUs, "
-             f"Linux {platform.release().split('-')[0]}; each the fastest of {rounds} runs, taken in turns.")
+             f"Linux {platform.release().split('-')[0]}; each the fastest of {ROUNDS} runs, taken in turns.")
     table = ["| processes | seconds | speed-up | CPU s of rank 0, without waiting | speed-up by these | of them and of waiting: "
              "solve, refine, relax | share of exchanging and waiting, each | MB sent | MB of memory, each | same bytes |",
              "|---|---|---|---|---|---|---|---|---|---|", *rows]

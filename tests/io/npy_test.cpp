@@ -1,29 +1,13 @@
 // NumPy arrays of numbers and of named fields.
 #include "binary_bytes.h"
 #include "files.h"
+#include "npy_files.h"
 #include "soapfilm/core/random.h"
 #include "soapfilm/core/vec.h"
 #include "soapfilm/io.h"
 
 namespace soapfilm {
 namespace TEST_FILE {
-
-std::string npy(const std::string& literal, const std::string& data, int version = 1) {
-  std::string head = "\x93NUMPY";
-  head += static_cast<char>(version);
-  head += '\0';
-  const size_t before = head.size() + (version == 1 ? 2 : 4);
-  std::string text = literal;
-  while ((before + text.size() + 1) % 64 != 0) text += ' ';
-  text += '\n';
-  return head +
-         (version == 1 ? bytes_of(static_cast<uint16_t>(text.size())) : bytes_of(static_cast<uint32_t>(text.size()))) +
-         text + data;
-}
-
-std::string literal(const std::string& type, const std::string& shape, bool fortran = false) {
-  return "{'descr': " + type + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }";
-}
 
 template <class T>
 std::string numbers(const std::vector<double>& values, bool big_endian = false) {
@@ -36,7 +20,7 @@ std::string numbers(const std::vector<double>& values, bool big_endian = false) 
 PointCloud read_floats(const TemporaryFolder& folder, const std::vector<double>& values, size_t columns,
                        ReadReport* report = nullptr) {
   const std::string shape = "(" + std::to_string(values.size() / columns) + ", " + std::to_string(columns) + ")";
-  return read_points(folder.write("a.npy", npy(literal("'<f4'", shape), numbers<float>(values))), report);
+  return read_points(folder.write("a.npy", npy(npy_literal("'<f4'", shape), numbers<float>(values))), report);
 }
 
 TEST(Npy, PositionsOfAllTypesOrdersAndVersions) {
@@ -46,8 +30,9 @@ TEST(Npy, PositionsOfAllTypesOrdersAndVersions) {
   for (const bool fortran : {false, true}) {
     const auto check = [&](const std::string& type, const std::string& data) {
       for (const int version : {1, 2, 3})
-        EXPECT_EQ(read_points(folder.write("a.npy", npy(literal(type, "(2, 3)", fortran), data, version))).positions,
-                  expected)
+        EXPECT_EQ(
+            read_points(folder.write("a.npy", npy(npy_literal(type, "(2, 3)", fortran), data, version))).positions,
+            expected)
             << type;
     };
     const std::vector<double>& v = fortran ? columns : rows;
@@ -70,7 +55,8 @@ TEST(Npy, DoublesKeepAllTheirDigitsAndTheNameIsTheScans) {
   const TemporaryFolder folder;
   ReadReport report;
   const PointCloud cloud = read_points(
-      folder.write("left.npy", npy(literal("'<f8'", "(1, 3)"), numbers<double>({512345.678901, 1e-9, -3}))), &report);
+      folder.write("left.npy", npy(npy_literal("'<f8'", "(1, 3)"), numbers<double>({512345.678901, 1e-9, -3}))),
+      &report);
   EXPECT_EQ(cloud.positions[0], (Vec3d{512345.678901, 1e-9, -3}));
   ASSERT_EQ(cloud.scans.size(), 1u);
   EXPECT_EQ(cloud.scans[0].name, "left");
@@ -152,7 +138,7 @@ TEST(Npy, APointsNumberMayComeFirst) {
   const std::string shape = "(30, 4)";
   ReadReport report;
   const PointCloud cloud =
-      read_points(folder.write("a.npy", npy(literal("'<f8'", shape), numbers<double>(values))), &report);
+      read_points(folder.write("a.npy", npy(npy_literal("'<f8'", shape), numbers<double>(values))), &report);
   EXPECT_EQ(cloud.positions[3], (Vec3d{std::sin(3), std::cos(3), 1e6 + 0.75}));
   EXPECT_EQ(report.files.at(0).properties, std::vector<std::string>({"id", "x", "y", "z"}));
   EXPECT_EQ(report.warnings.size(), 1u);
@@ -188,7 +174,7 @@ TEST(Npy, NamedFieldsMeanWhatTheirNamesSay) {
   std::string row = bytes_of(int16_t{-3}) + "??" + bytes_of<double>({1, 2}) + bytes_of(3.5, true) +
                     bytes_of<float>({0, 0.6f, -0.8f}) + "\x01\x02\xff" + "12345678" + bytes_of(4.5f);
   ReadReport report;
-  const PointCloud cloud = read_points(folder.write("a.npy", npy(literal(type, "(2,)"), row + row)), &report);
+  const PointCloud cloud = read_points(folder.write("a.npy", npy(npy_literal(type, "(2,)"), row + row)), &report);
   EXPECT_EQ(cloud.positions, std::vector<Vec3d>(2, {1, 2, 3.5}));
   EXPECT_EQ(cloud.normals, std::vector<Vec3f>(2, {0, 0.6f, -0.8f}));
   EXPECT_EQ(cloud.colors, std::vector<Rgb8>(2, {1, 2, 255}));
@@ -205,7 +191,7 @@ TEST(Npy, PackedColorsAndPartsOfFieldsAreUsed) {
   const TemporaryFolder folder;
   const std::string type = "[('xyz', '>f4', 3), ('rgb', '>u4'), ('d', '<f4', (2, 1)), ('e', [('f', '<f4')])]";
   const std::string row = numbers<float>({1, 2, 3}, true) + bytes_of(0x00010203u, true) + bytes_of<float>({7, 8, 9});
-  const PointCloud cloud = read_points(folder.write("a.npy", npy(literal(type, "(1,)"), row)));
+  const PointCloud cloud = read_points(folder.write("a.npy", npy(npy_literal(type, "(1,)"), row)));
   EXPECT_EQ(cloud.positions, std::vector<Vec3d>({{1, 2, 3}}));
   EXPECT_EQ(cloud.colors, std::vector<Rgb8>({{1, 2, 3}}));
   ASSERT_EQ(cloud.columns.size(), 3u);
@@ -225,37 +211,37 @@ TEST(Npy, RefusalsNamePlaceValueAndConstraint) {
   const auto refused = [&](const std::string& text, std::initializer_list<std::string> parts) {
     refused_bytes(npy(text, data), parts);
   };
-  const std::string whole = npy(literal("'<f4'", "(2, 3)"), data);
+  const std::string whole = npy(npy_literal("'<f4'", "(2, 3)"), data);
   for (size_t size = 6; size < whole.size(); ++size) refused_bytes(whole.substr(0, size), {"byte"});
   refused_bytes("words that are no array", {"byte 0", "'words '", "NUMPY"});
-  refused_bytes(npy(literal("'<f4'", "(2, 3)"), data, 4), {"version = 4", "1 to 3"});
-  refused(literal("'<f4'", "(3, 3)"), {"(3, 3)", "at most 2 rows", "truncated"});
-  refused(literal("'<f4'", "(18446744073709551615, 3)"), {"byte", "too large"});
-  refused(literal("'<f4'", "(1000000000000000000, 3)"), {"(1000000000000000000, 3)", "truncated"});
-  refused(literal("'<f4'", "(0, 3)"), {"(0, 3)", "no samples"});
-  refused(literal("'<f4'", "(6,)"), {"(6,)", "(n, 3)"});
-  refused(literal("'<f4'", "(3, 2)"), {"(3, 2)", "transposed"});
-  refused(literal("'<f4'", "(1, 2, 3, 1)"), {"(1, 2, 3, 1)"});
-  refused(literal("'<f4'", "()"), {"()"});
-  refused(literal("'<f4'", "(-2, 3)"), {"'-2, 3)", "whole number"});
-  refused(literal("'<f2'", "(2, 3)"), {"'<f2'", "f4, f8"});
-  refused(literal("'|O'", "(2, 3)"), {"Python objects"});
-  refused(literal("'<q4'", "(2, 3)"), {"'<q4'"});
-  refused(literal("'<f0'", "(2, 3)"), {"'<f0'"});
-  refused(literal("'|V0'", "(2, 3)"), {"'|V0'"});
-  refused(literal("[('x', '<f4'), ('y', '<f4')]", "(2,)"), {"'x', 'y'", "x, y and z"});
-  refused(literal("[('x', '<f4', (99999999, 99999999))]", "(2,)"), {"too many parts"});
-  refused(literal("[('x', '<f4', 400)]", "(2,)"), {"256"});
-  refused(literal("[('x', [('x', [('x', [('x', [('x', [('x', '<f4')])])])])])]", "(2,)"), {"lists in lists"});
-  refused(literal("[]", "(2,)"), {"no bytes"});
+  refused_bytes(npy(npy_literal("'<f4'", "(2, 3)"), data, 4), {"version = 4", "1 to 3"});
+  refused(npy_literal("'<f4'", "(3, 3)"), {"(3, 3)", "at most 2 rows", "truncated"});
+  refused(npy_literal("'<f4'", "(18446744073709551615, 3)"), {"byte", "too large"});
+  refused(npy_literal("'<f4'", "(1000000000000000000, 3)"), {"(1000000000000000000, 3)", "truncated"});
+  refused(npy_literal("'<f4'", "(0, 3)"), {"(0, 3)", "no samples"});
+  refused(npy_literal("'<f4'", "(6,)"), {"(6,)", "(n, 3)"});
+  refused(npy_literal("'<f4'", "(3, 2)"), {"(3, 2)", "transposed"});
+  refused(npy_literal("'<f4'", "(1, 2, 3, 1)"), {"(1, 2, 3, 1)"});
+  refused(npy_literal("'<f4'", "()"), {"()"});
+  refused(npy_literal("'<f4'", "(-2, 3)"), {"'-2, 3)", "whole number"});
+  refused(npy_literal("'<f2'", "(2, 3)"), {"'<f2'", "f4, f8"});
+  refused(npy_literal("'|O'", "(2, 3)"), {"Python objects"});
+  refused(npy_literal("'<q4'", "(2, 3)"), {"'<q4'"});
+  refused(npy_literal("'<f0'", "(2, 3)"), {"'<f0'"});
+  refused(npy_literal("'|V0'", "(2, 3)"), {"'|V0'"});
+  refused(npy_literal("[('x', '<f4'), ('y', '<f4')]", "(2,)"), {"'x', 'y'", "x, y and z"});
+  refused(npy_literal("[('x', '<f4', (99999999, 99999999))]", "(2,)"), {"too many parts"});
+  refused(npy_literal("[('x', '<f4', 400)]", "(2,)"), {"256"});
+  refused(npy_literal("[('x', [('x', [('x', [('x', [('x', [('x', '<f4')])])])])])]", "(2,)"), {"lists in lists"});
+  refused(npy_literal("[]", "(2,)"), {"no bytes"});
   refused("{'descr': '<f4', 'shape': (2, 3)}", {"'fortran_order'"});
   refused("{'descr': '<f4', 'descr': '<f4'}", {"'descr' is there twice"});
   refused("{'descr': '<f4', 'fortran_order': 1}", {"True or False"});
   refused("{'descr': '<f4', 'color': 1}", {"'color'"});
   refused("{'descr': '<f4", {"without an end"});
-  refused(literal("'<f4'", "(2, 3)") + " __import__('os')", {"must end here"});
+  refused(npy_literal("'<f4'", "(2, 3)") + " __import__('os')", {"must end here"});
   refused_bytes(
-      npy(literal("[('x','<f4'),('y','<f4'),('z','<f4'),('weight','<f4')]", "(1,)"), numbers<float>({1, 2, 3, -5})),
+      npy(npy_literal("[('x','<f4'),('y','<f4'),('z','<f4'),('weight','<f4')]", "(1,)"), numbers<float>({1, 2, 3, -5})),
       {"sample 0", "weight = -5", ">= 0"});
 }
 
@@ -277,7 +263,7 @@ TEST(Npy, ImagesOfPositionsAreRangeGrids) {
     const TemporaryFolder folder;
     ReadReport report;
     const std::string bytes =
-        npy(literal("'<f4'", "(30, 40, 3)", fortran), numbers<float>(fortran ? by_columns : by_rows));
+        npy(npy_literal("'<f4'", "(30, 40, 3)", fortran), numbers<float>(fortran ? by_columns : by_rows));
     const PointCloud cloud = read_points(folder.write("a.npy", bytes), &report);
     EXPECT_EQ(cloud.size(), 1191u);
     EXPECT_EQ(report.files.at(0).no_return, 9u);
@@ -294,7 +280,7 @@ TEST(Npy, ImagesOfPositionsAreRangeGrids) {
 TEST(Npy, ImagesMayHaveNamedFields) {
   const TemporaryFolder folder;
   const PointCloud cloud =
-      read_points(folder.write("a.npy", npy(literal("[('x','<f4'),('y','<f4'),('z','<f4')]", "(2, 2)"),
+      read_points(folder.write("a.npy", npy(npy_literal("[('x','<f4'),('y','<f4'),('z','<f4')]", "(2, 2)"),
                                             numbers<float>({1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 9}))));
   EXPECT_EQ(cloud.positions, (std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
   ASSERT_TRUE(cloud.scans.at(0).range_grid);
@@ -304,7 +290,7 @@ TEST(Npy, ImagesMayHaveNamedFields) {
 TEST(Npy, BytesAfterTheArrayAreTold) {
   const TemporaryFolder folder;
   ReadReport report;
-  read_points(folder.write("a.npy", npy(literal("'<f4'", "(1, 3)"), numbers<float>({1, 2, 3, 4}))), &report);
+  read_points(folder.write("a.npy", npy(npy_literal("'<f4'", "(1, 3)"), numbers<float>({1, 2, 3, 4}))), &report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("4 bytes after the array"), std::string::npos);
 }

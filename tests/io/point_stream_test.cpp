@@ -12,6 +12,7 @@
 #include "files.h"
 #include "las_files.h"
 #include "laz_files.h"
+#include "npy_files.h"
 #include "pcd_files.h"
 #include "samples.h"
 #include "soapfilm/io/formats.h"
@@ -265,10 +266,7 @@ TEST(PointStream, ArraysAndSweepsInBlocksAreTheCloud) {
     for (const std::vector<double>& row : rows_of(240, columns - 3, columns))
       for (const double v : row) data += bytes_of(static_cast<float>(v));
     const std::string shape = image ? fmt::format("(12, 20, {})", columns) : fmt::format("(240, {})", columns);
-    std::string head = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': {}, }}", shape);
-    while ((head.size() + 11) % 64 != 0) head += ' ';
-    head += '\n';
-    return "\x93NUMPY" + std::string("\x01\0", 2) + bytes_of(static_cast<uint16_t>(head.size())) + head + data;
+    return npy(npy_literal("'<f4'", shape), data);
   };
   for (const size_t columns : {3, 4, 6, 7})
     for (const bool image : {false, true}) expect_blocks(folder.write("a.npy", file(columns, image)), true);

@@ -10,6 +10,7 @@
 #include "files.h"
 #include "las_files.h"
 #include "laz_files.h"
+#include "npy_files.h"
 #include "samples.h"
 #include "soapfilm/io/formats.h"
 #include "soapfilm/io/point_stream.h"
@@ -21,13 +22,6 @@ namespace TEST_FILE {
 using test::E57TestScan;
 using test::E57Writer;
 using test::line_scan;
-
-std::string npy_head(const std::string& type, const std::string& shape) {
-  std::string head = "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }";
-  while ((head.size() + 11) % 64 != 0) head += ' ';
-  head += '\n';
-  return "\x93NUMPY" + std::string("\x01\0", 2) + bytes_of(static_cast<uint16_t>(head.size())) + head;
-}
 
 /// Counts of 64 bits are read as such: files that do not hold so many samples are refused, with their number.
 TEST(SampleCounts, CountsOf64BitsAreNamedWhereAFileIsTooShort) {
@@ -47,7 +41,7 @@ TEST(SampleCounts, CountsOf64BitsAreNamedWhereAFileIsTooShort) {
       folder.write("a.las", las_bytes),
       folder.write("a.laz", laz_bytes),
       folder.write("a.e57", E57Writer::file({scan})),
-      folder.write("a.npy", npy_head("<f4", "(" + many + ", 3)") + row),
+      folder.write("a.npy", npy(npy_literal("'<f4'", "(" + many + ", 3)"), row)),
       folder.write("a.pcd", "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + many +
                                 "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + many + "\nDATA binary\n" + row),
       folder.write("a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex " + many +
@@ -67,7 +61,7 @@ TEST(SampleCounts, CountsOf64BitsAreNamedWhereAFileIsTooShort) {
 /// A cloud holds 2^31 - 1 samples of a file; who takes blocks has no such limit.
 TEST(SampleCounts, OnlyACloudLimitsTheSamplesOfAFile) {
   const TemporaryFolder folder;
-  const std::string file = folder.write("a.npy", npy_head("|u1", "(3000000000, 3)"));
+  const std::string file = folder.write("a.npy", npy(npy_literal("'|u1'", "(3000000000, 3)"), ""));
   std::error_code error;
   std::filesystem::resize_file(file, std::filesystem::file_size(file) + 9'000'000'000, error);  // a hole
   if (error) GTEST_SKIP() << "no file of 9 GB: " << error.message();
