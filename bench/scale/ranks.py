@@ -4,8 +4,9 @@ A torus is scanned and reconstructed by soapfilm and, under mpirun, by soapfilm-
 thread each. PAGE gets the table. CPU seconds are those of rank 0, which has the most to do, without the report's check.
 Memory is the largest resident set of a process. All are run in turns, the fastest of ROUNDS each is shown. Before each
 run memory is touched: a virtual machine may have given it back to its host, and gets it again slowly. The control is
-two runs of one process at once: what they take longer than one alone is the machine's, whose CPUs are not their own.
-So the speed-up is shown against one process alone, and against one that has another beside it, as each rank has."""
+two runs of one process at once: what they take longer than one alone is the machine's, whose CPUs disturb each other.
+So the speed-up is shown against one process alone, and against one that has another beside it, as each rank has.
+Memory is looked at once in LOOK_EVERY seconds: a run should take longer."""
 import hashlib
 import json
 import mmap
@@ -21,7 +22,7 @@ import marked
 
 HERE = Path(__file__).resolve().parent
 ROUNDS = 5
-LOOK_EVERY = 1  # seconds; looking for the processes takes time of the CPUs that these need
+LOOK_EVERY = 1  # seconds; to look takes time of the CPUs that the processes need
 
 
 def digest(path):
@@ -80,7 +81,7 @@ def measured(words, report):
 
 
 def words_of(scans, resolution, mesh, report):
-    return ["reconstruct", scans / "scans.conf", "--resolution", str(resolution), "--threads", "1", "-o", mesh,
+    return ["--quiet", "reconstruct", scans / "scans.conf", "--resolution", str(resolution), "--threads", "1", "-o", mesh,
             "--report", report]
 
 
@@ -104,8 +105,8 @@ def two_at_once(programs, scans, resolution, work):
     """Seconds of two runs of one process that know nothing of each other, the shorter one first."""
     reports = [work / f"alone-{k}.json" for k in range(2)]
     touch_memory()
-    children = [subprocess.Popen([programs / "soapfilm", "--quiet",
-                                  *words_of(scans, resolution, report.with_suffix(".ply"), report)]) for report in reports]
+    children = [subprocess.Popen([programs / "soapfilm", *words_of(scans, resolution, report.with_suffix(".ply"), report)])
+                for report in reports]
     if any([child.wait() for child in children]):  # a list: all are waited for
         sys.exit("a run of the control failed")
     return sorted(totals(json.loads(report.read_text()))[0] for report in reports)
@@ -142,11 +143,11 @@ def main():
         controls.append(two_at_once(programs, scans, resolution, work))
     fastest = {count: min(runs[count], key=lambda run: run["seconds"]) for count in counts}
     alone = fastest[counts[0]]
-    beside = min(controls)
-    rows = [row(count, fastest[count], alone, beside[0], all(run["mesh"] == alone["mesh"] for run in runs[count]))
+    pair = min(controls)
+    rows = [row(count, fastest[count], alone, pair[0], all(run["mesh"] == alone["mesh"] for run in runs[count]))
             for count in counts]
-    control = (f"Two runs of one process at once, the control: {beside[0]:.1f} and {beside[1]:.1f} s, "
-               f"{beside[0] / alone['seconds']:.2f} and {beside[1] / alone['seconds']:.2f} times as long as one alone.")
+    control = (f"Two runs of one process at once, the control: {pair[0]:.1f} and {pair[1]:.1f} s, "
+               f"{pair[0] / alone['seconds']:.2f} and {pair[1] / alone['seconds']:.2f} times as long as one alone.")
     commit = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True)
     facts = (f"Commit {commit.stdout.strip()}, torus of {resolution}, {os.cpu_count()} CPUs, "
              f"Linux {platform.release().split('-')[0]}; each the fastest of {ROUNDS} runs, taken in turns.")
